@@ -98,7 +98,7 @@ def open_page(browser) -> OpenPage:
         host = urlsplit(address).netloc
         page.on(
             "request",
-            # whoever opens a blank page goes elsewhere later, and is not watched
+            # a blank page goes elsewhere later, and is not watched
             lambda each: (
                 not host or urlsplit(each.url).netloc in {host, ""} or wrong.append(each.url)
             ),

@@ -11,7 +11,7 @@ from tests.pages.conftest import OpenPage
 
 SMALL = {"width": 640, "height": 360}  # WebGL is drawn by the processor
 LATE_S = 120
-# what a busy machine does to an approach: it is stopped, and begun again
+# a busy machine may stop an approach, which then begins again
 LATE = ("odometry", "stopped arriving", "arrived late", "disconnected")
 
 KEEP = "() => import('/lab/main.js').then(({ lab }) => { window.lab = lab; })"

@@ -34,7 +34,7 @@ FORMS = "#" + "&".join(
         ("graph", "/"),
     )
 )
-# what is found, in words: the rule, and the first elements
+# the findings in words: the rule, and the first elements
 FOUND = """async () => {
     const { violations } = await axe.run(document, { rules: { "target-size": { enabled: true } } });
     const shown = (nodes) => nodes.slice(0, 3).map(({ html }) => html).join(" ");

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 # as on a page that came by http from another machine
 NO_CLIPBOARD = "Object.defineProperty(navigator, 'clipboard', { value: undefined });"
-# whatever draws a laser scan fails
+# all drawing of laser scans fails
 NO_POINTS = "CanvasRenderingContext2D.prototype.fillRect = () => { throw new Error('no paint'); };"
 
 
@@ -215,7 +215,7 @@ async def test_a_first_visit_can_drive_the_robot(demo, open_page, watched: Watch
         await watched.until(state="stopped", cause="zero")
         await drive_by(page, "ArrowLeft")
         await watched.until(state="moving")
-        await page.focus("#search")  # what is held elsewhere moves nothing
+        await page.focus("#search")  # a key that is held elsewhere moves nothing
         await watched.until(state="stopped", cause="zero")
         await page.keyboard.up("ArrowLeft")
 

@@ -18,7 +18,7 @@ from tests.pages.conftest import DESK, page_address
 pytestmark = [pytest.mark.brief, pytest.mark.asyncio(loop_scope="module")]
 
 PHONE = {"width": 390, "height": 844}
-# what the page sends, as it is sent
+# the frames of the page, as they are sent
 NOTE_SENT = """
     window.sent = [];
     const { send } = WebSocket.prototype;
@@ -81,7 +81,7 @@ async def test_a_first_visit_by_finger_opens_no_stick_but_the_list_does(demo, op
     async with open_page(page_address(demo), script=NOTE_SENT, **touched) as page:
         await page.wait_for_selector(card("/odom"))
         asked = "() => sent.some((each) => JSON.parse(each).op === 'control')"
-        assert not await page.evaluate(asked)  # what would open a stick
+        assert not await page.evaluate(asked)  # which would open a joystick
         # by a key: here the list lies below cards, which grow as pictures come and push it from the
         # place of a click
         await page.focus("button[aria-label='drive by /cmd_vel']")
@@ -253,7 +253,7 @@ async def test_the_focus_goes_to_a_new_card_and_from_a_closed_one_to_the_next(
     cards = "#card=tree+0+/odom&card=tree+0+/scan"
     focus = "() => document.activeElement.getAttribute('aria-label') ?? document.activeElement.id"
     async with open_page(page_address(demo) + cards, viewport) as page:
-        for topic in ("/odom", "/scan"):  # what comes later above a card moves it
+        for topic in ("/odom", "/scan"):  # a later card above one moves it
             await page.wait_for_selector(f"{card(topic)} .row")
         await page.focus("#topics button:has-text('/imu')")
         await page.keyboard.press("Enter")
@@ -340,7 +340,7 @@ async def test_a_plot_says_what_was_when_one_points_at_and_can_be_looked_at_clos
 
         await over.wait_for()
         await until(page, says, [label, r"x \S+$"])
-        await point(0.5)  # where nothing is yet: the oldest counts
+        await point(0.5)  # before the first value: the oldest counts
         await until(page, says, [label, r"x \S+, [3-9]\.\d s ago$"])
         await page.get_by_role("button", name="Pause /odom").click()
         await until(page, says, ["article footer", "^paused: drag across the plot"])
@@ -351,7 +351,7 @@ async def test_a_plot_says_what_was_when_one_points_at_and_can_be_looked_at_clos
         await page.mouse.up()
         assert await age_s(0.0) < whole_s / 2
         await over.dblclick()
-        assert await age_s(0.0) == whole_s  # what there is fills the plot
+        assert await age_s(0.0) == whole_s  # the present values fill the plot
         await page.get_by_role("button", name="Resume /odom").click()
         await until(page, says, [label, r"x \S+$"])  # it is no longer pointed at
 

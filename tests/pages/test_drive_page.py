@@ -140,7 +140,7 @@ async def test_a_page_that_is_closed_while_it_drives_stops_the_robot(drive, watc
 async def test_who_else_drives_is_said_and_can_be_taken_over(demo, drive, watched):
     async with client(demo.url) as other, drive() as page:
         await other.send(op="acquire_control", topic="/cmd_vel")
-        # whatever has stopped the robot before
+        # after any stop of the robot
         await page.wait_for_function("() => /another client/i.test(control.textContent)")
         await page.wait_for_selector("#take")
         await page.keyboard.down("ArrowLeft")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the debug page says of messages that were dropped, and of those that a rate leaves out."""
+"""The debug page counts dropped messages, but not those that a rate leaves out."""
 
 import asyncio
 import json
@@ -24,7 +24,7 @@ class Count:
         self.dropped = 0
         self.step = 0  # that it grows by with each message
         self.answers_pings = True
-        self.held: list[str] | None = None  # what is on its way to the page, while that is held up
+        self.held: list[str] | None = None  # the frames to the page, while they are held up
         self.is_sent = asyncio.Event()  # a message with that count
 
     def set(self, dropped: int) -> None:
@@ -99,7 +99,7 @@ async def test_what_a_rate_leaves_out_is_no_drop_and_the_rate_is_said(demo, open
         await until(page, f"() => {FOOTER}.endsWith('limited to 5 Hz by this page')")
         count.set(400)  # the gateway counts them as well
         await count.is_sent.wait()
-        # without a rate what it has left out before is none, either
+        # without a rate, earlier ones do not count either
         await page.select_option(f"{card('/imu')} select[aria-label^=rate]", "0")
         await until(page, f"() => /^[1-9]\\d Hz/.test({FOOTER}) && !/limited/.test({FOOTER})")
         assert "dropped" not in await page.evaluate(f"() => {FOOTER}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the debug page sends: messages, calls, goals and parameters, in a real browser."""
+"""The debug page sends messages, calls, goals and parameters, in a real browser."""
 
 import json
 import re
@@ -14,7 +14,7 @@ from tests.pages.test_debug_page import until
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
-# what the pure part makes of a schema and of what is typed
+# the results of the pure part for a schema and for typed text
 FIELDS = """async ([schema, typed]) => {
     const { fieldOf, jsonOf } = await import("/debug/forms/fields.js");
     try {
@@ -482,7 +482,7 @@ async def test_the_graph_opens_nodes_and_topics_also_by_keyboard(demo, open_page
     async with open_page(page_address(demo) + "#card=graph+0+/") as page:
         await page.click("svg [aria-label='topic /odom']")
         await page.wait_for_selector(form("/odom"))
-        await page.mouse.move(0, 0)  # what it points at is marked as well
+        await page.mouse.move(0, 0)  # the pointer also marks its target
         await page.focus("svg [aria-label='node /simulated_robot']")
         await until(page, "() => document.querySelectorAll('svg path.on').length > 5")
         await page.keyboard.press("Enter")

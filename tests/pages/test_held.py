@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is held moves the robot only while it is held, whatever swallows that it is let go of."""
+"""A held key or joystick moves the robot only while it is held, even if its end gets lost."""
 
 import pytest
 

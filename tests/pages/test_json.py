@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What pages read and write as JSON: integers of 64 bits keep their digits."""
+"""Pages read and write JSON so that integers of 64 bits keep their digits."""
 
 import cbor2
 import pytest

@@ -23,7 +23,7 @@ from tests.pages.test_drive_page import Watched, frozen_robot
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
-# where a place of the floor is on the page
+# the position of a place of the floor on the page
 WHERE = """([x, y]) => {
     const place = lab.viewer.rig.position.clone().set(-y, 0, -x).project(lab.viewer.camera);
     // what the gateway says above it may push it out of a small window
@@ -248,7 +248,7 @@ async def test_what_is_old_turns_pale_without_a_connection(demo, speaker, open_p
 
 async def test_arrow_keys_drive_and_end_an_approach(lab):
     async with lab() as page:
-        await page.keyboard.press("ArrowLeft")  # what was stopped before wants a zero first
+        await page.keyboard.press("ArrowLeft")  # after a stop a zero comes first
         await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
         await page.wait_for_timeout(300)  # in which the gateway wants nothing that moves
         await page.keyboard.down("ArrowLeft")
@@ -296,7 +296,7 @@ async def test_what_is_said_of_the_robot_and_of_its_approach_never_contradicts(l
 
 async def test_keys_that_drive_a_robot_without_odometry_are_told_so(demo, lab):
     async with lab() as page:
-        await page.keyboard.press("ArrowLeft")  # what was stopped before wants a zero first
+        await page.keyboard.press("ArrowLeft")  # after a stop a zero comes first
         await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
         await page.wait_for_timeout(300)  # in which the gateway wants nothing that moves
         await page.keyboard.down("ArrowLeft")
@@ -354,7 +354,7 @@ async def test_home_leads_back_from_wherever_one_has_walked(lab, by):
 
 async def test_a_key_that_is_held_drives_no_more_once_another_client_drives(lab, speaker):
     async with lab() as page:
-        await page.keyboard.press("ArrowLeft")  # what was stopped before wants a zero first
+        await page.keyboard.press("ArrowLeft")  # after a stop a zero comes first
         await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
         await page.wait_for_timeout(300)  # in which the gateway wants nothing that moves
         await page.keyboard.down("ArrowLeft")

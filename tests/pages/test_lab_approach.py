@@ -90,7 +90,7 @@ async def test_a_target_that_nobody_can_have_pointed_at_ends_it(run):
     assert ended["after"] == [0, 0]
 
 
-# what is said of the last of some poses, each [seconds, x, y, yaw]
+# the words about the last of some poses, each [seconds, x, y, yaw]
 JUMP = """async (poses) => {
     const { Jumps } = await import("/lab/jumps.js");
     const jumps = new Jumps();

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the parts of the lab take, and no more: each by itself, in a real browser."""
+"""The limits of the parts of the lab, each by itself, in a real browser."""
 
 import math
 

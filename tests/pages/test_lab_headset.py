@@ -62,7 +62,7 @@ PRESS = "([hand, button, value]) => device.controllers[hand].updateButtonValue(b
 PINCH = "([hand, value]) => device.hands[hand].updatePinchValue(value)"
 # a place that is some way off, wherever the robot has been left
 AWAY = "() => lab.twin.pose.x < 0 ? 0.9 : -0.9"
-# where the head is, in the robot's metres
+# the place of the head, in the robot's metres
 HEAD = """() => {
     const { x, y, z } = device.position;
     const place = lab.viewer.rig.localToWorld(lab.viewer.rig.position.clone().set(x, y, z));
@@ -140,7 +140,7 @@ async def test_a_trigger_sends_the_robot_to_where_its_ray_meets_the_floor(
 )
 async def test_a_stick_or_a_touchpad_moves_the_user_and_not_the_robot(enter, headset, push, let_go):
     async with enter(headset) as page:
-        # whoever has walked away from the middle of his room as well
+        # also a user who has walked away from the middle of the room
         await page.evaluate("() => { device.position.x = 0.3; }")
         before = await page.evaluate("() => ({ ...lab.twin.pose })")
         await page.evaluate(POINT, ["right", 0.5, 0.6])

@@ -23,5 +23,5 @@ def test_every_module_uses_what_there_is():
     command = ["node", str(COMPILER), *STRICTNESS, *map(str, modules)]
     finished = subprocess.run(command, capture_output=True, text=True, cwd=PAGES, check=False)
     lines = finished.stdout.splitlines()
-    # a library of another's is not ours to mend. What is indented goes on from the line before
+    # errors in a library are not ours. An indented line continues the line before
     assert [each for each in lines if not each.startswith(("vendor/", " "))] == []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a form of the debug page publishes again and again, and what ends that."""
+"""A form of the debug page publishes repeatedly, until something ends that."""
 
 import pytest
 

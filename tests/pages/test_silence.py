@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A link that goes dark: nothing arrives any more, and nobody is told of it."""
+"""A dead connection: nothing arrives any more, and no side is told."""
 
 import contextlib
 
@@ -12,7 +12,7 @@ __all__ = ["watched"]  # a fixture
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
-# What is sent into the dark arrives when it is light again, as by TCP.
+# Frames into a dead connection arrive when it is back, as by TCP.
 SOCKETS = """
     const Real = WebSocket;
     let late = [];

@@ -256,7 +256,7 @@ async def test_a_new_connection_knows_no_warning_of_the_one_before(open_card):
         assert await page.evaluate(PROBLEM) == "it is so"
         await page.evaluate("() => hear.state({ state: 'open' })")
         assert await page.evaluate(PROBLEM) == ""
-    async with open_card("scan") as page:  # which shows no Float64, whoever is connected
+    async with open_card("scan") as page:  # which shows no Float64
         await page.evaluate("() => hear.state({ state: 'open' })")
         assert "choose another view" in await page.evaluate(PROBLEM)
 

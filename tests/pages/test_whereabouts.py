@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the robot is on the map of the drive page: as ROS says it, not as it said long ago."""
+"""The place of the robot on the map of the drive page, which must not be old."""
 
 import asyncio
 import contextlib
@@ -116,8 +116,8 @@ async def test_a_robot_whose_transforms_have_ceased_is_grey_and_its_age_is_said(
         robot.transforms = moving
         for about in (ROBOT, HITS):
             await until(page, SHOWN, about)
-        await robot.repeats()  # what was said once or twice might be meant to last
-        del moving["base_link"]  # where the odometry began is still said
+        await robot.repeats()  # a transform sent once or twice might be meant to last
+        del moving["base_link"]  # the start of the odometry is still sent
         await until(page, f"() => /^place [0-9.]+ m?s old$/.test({AGE}?.textContent)")
         for about in (ROBOT, HITS):
             await until(page, GREY, about)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What no robot should say, and some robot does: a page says what it cannot show, and obeys on."""
+"""Wild messages of a robot: a page says why it cannot show them, and still obeys."""
 
 import contextlib
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What shows the robot's world: map, scan, trail and battery, in a real browser."""
+"""The views of the robot's world: map, scan, trail and battery, in a real browser."""
 
 import math
 
@@ -32,7 +32,7 @@ COUNT = """([selector, name]) => {
     }
     return count;
 }"""
-# where the middle of these pixels is
+# the middle of these pixels
 MIDDLE = (
     COUNT.replace("let count = 0", "let count = 0, sum = 0")
     .replace(

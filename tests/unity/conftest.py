@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the package's tests share: a live gateway with a simulated robot, and C# under Mono."""
+"""The common parts of the package's tests: a live gateway, a simulated robot, and C# under Mono."""
 
 import contextlib
 import os
@@ -48,7 +48,7 @@ def _strip(count: int) -> bytes:
 
 @pytest.fixture(scope="package")
 def servers(gateway: GatewayProcess) -> Iterator[dict[str, str]]:
-    """Where a C# test finds the gateway, and servers that misbehave: its environment."""
+    """The environment of a C# test: the addresses of the gateway and of misbehaving servers."""
     with (
         in_background(rogue(gateway.url)) as rogue_url,
         in_background(deaf()) as deaf_url,

@@ -19,7 +19,7 @@ IN_EDITOR: Final = EDITOR.with_everything()
 AHEAD_OF_TIME: Final = ANDROID.with_everything()
 
 LIST_TIMEOUT_S: Final = 240
-EXIT_TIMEOUT_S: Final = 120  # what a test left running has that long to end
+EXIT_TIMEOUT_S: Final = 120  # the rest of a test has that long to end
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mono as the tests use it: compile C# once per content, run it, translate it ahead of time.
 
-What Unity's editor and desktop players run on is Mono as well. The full ahead-of-time mode, without a
-JIT compiler, stands in for IL2CPP.
+Unity's editor and desktop players also run on Mono. The full ahead-of-time mode, without a JIT
+compiler, stands in for IL2CPP.
 """
 
 import fcntl
@@ -151,7 +151,7 @@ def ahead_of_time(binary: Binary) -> Binary:
 
 
 def command(binary: Binary, *arguments: str, full_aot: bool = False) -> list[str]:
-    """What runs a program. `environment` belongs to it."""
+    """The command that runs a program, with its `environment`."""
     return ["mono", "--debug", *(["--full-aot"] if full_aot else []), str(binary.path), *arguments]
 
 
@@ -204,7 +204,7 @@ def _copy(binary: Path, directory: Path) -> None:
 
 
 def _make(path: Path, fill: Callable[[Path], None]) -> None:
-    """Have a directory filled unless it is there: once, whoever else wants it, or not at all."""
+    """Have a directory filled unless it exists: once, even if others want it, or not at all."""
     if path.exists():
         return
     CACHE.mkdir(parents=True, exist_ok=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a project gets that generates messages of other packages: files, and an assembly of them."""
+"""Messages of other packages, as a project generates them: files, and an assembly of them."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory

@@ -43,7 +43,7 @@ _UNITY_VERSIONS: Final = (
 
 @dataclass(frozen=True)
 class Target:
-    """What Unity builds for: decides which assemblies are compiled, and their defines."""
+    """The target of Unity's build: decides which assemblies are compiled, and their defines."""
 
     name: str
     platform: str
@@ -53,9 +53,9 @@ class Target:
     packages: frozenset[str] = frozenset()
     """The optional packages that are installed."""
     legacy_input: bool = True
-    """Whether the player settings have the Input Manager on, be it beside the Input System."""
+    """Whether the player settings have the Input Manager on, even with the Input System."""
     tests: bool = False
-    """Whether Unity's Test Framework compiles its tests, too."""
+    """Whether Unity's Test Framework also compiles its tests."""
 
     def __str__(self) -> str:
         return self.name

@@ -160,7 +160,7 @@ class Rogue:
         async for text in client:
             if json.loads(text)["op"] == "publish":
                 client.transport.pause_reading()
-                await asyncio.sleep(2)  # what a stalled network is
+                await asyncio.sleep(2)  # a stalled network
                 client.transport.resume_reading()
                 break
         async for text in client:

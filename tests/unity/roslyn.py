@@ -27,7 +27,7 @@ _PACKAGE: Final = INSTALLED / "roslyn-3.10" / "node_modules" / "@autorest" / "cs
 _DOTNET: Final = INSTALLED / "dotnetcore2-3.1" / "dotnetcore2" / "bin"
 _FRAMEWORK: Final = _DOTNET / "shared" / "Microsoft.NETCore.App" / "3.1.23"
 
-# what the driver is compiled against: where the types of .NET are, and where they are said to be
+# the references of the driver: the types of .NET, and their stated assemblies
 _CORE: Final = (
     *("System.Private.CoreLib", "System.Runtime", "System.Runtime.Extensions", "System.Console"),
     *(
@@ -41,7 +41,7 @@ _COMPILER: Final = (
     *("Microsoft.CodeAnalysis", "Microsoft.CodeAnalysis.CSharp"),
     *("System.Collections.Immutable", "System.Reflection.Metadata"),
 )
-_OF_THE_STUB: Final = ("CS0067", "CS0169", "CS0414", "CS0649")  # what Unity assigns, calls and uses
+_OF_THE_STUB: Final = ("CS0067", "CS0169", "CS0414", "CS0649")  # Unity uses these
 _SETTINGS: Final = """{"runtimeOptions": {"tfm": "netcoreapp3.1",
     "framework": {"name": "Microsoft.NETCore.App", "version": "3.1.0"},
     "configProperties": {"System.Globalization.Invariant": true}}}
@@ -70,7 +70,7 @@ class Assembly:
 
 
 def described(target: Target) -> list[Assembly]:
-    """Describe the stub, and what Unity compiles for a target. What is needed comes first."""
+    """Describe the stub, and what Unity compiles for a target, in the order of their needs."""
     assemblies = [
         Assembly(name, sources, references=references, suppressed=_OF_THE_STUB)
         for name, (sources, references) in package.stub_sources().items()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the Unity editor shows: tests of the package, and someone who clicks in the inspectors."""
+"""The Unity editor: tests of the package, and someone who clicks in the inspectors."""
 
 from functools import cache
 from pathlib import Path

@@ -48,7 +48,7 @@ RANGES = {f"{u}int{n}": n for u in ("", "u") for n in (8, 16, 32, 64)}
 @pytest.fixture(scope="module")
 def probe():
     probe = Probe(package.compiled("Ros2Gateway.Core", package.EDITOR))
-    probe.ask("culture")  # whatever it is, numbers look the same
+    probe.ask("culture")  # numbers look the same in any culture
     yield probe
     probe.close()
 
@@ -345,7 +345,7 @@ def test_text_that_is_no_base64_is_refused(probe, text):
         octets = None
     answer = probe.ask("octets", json.dumps(text).encode())
     if octets is None or pybase64.b64encode(octets).decode() != text:
-        # what Python takes with bits that stand for nothing is not the one form of its octets
+        # Python accepts extra bits, but each octet sequence has one form
         assert isinstance(answer, Refusal)
     else:
         assert json.loads(answer) == text

@@ -51,7 +51,7 @@ GUIDS = {
     re.findall(r"^guid: (\w+)$", meta.read_text(), re.MULTILINE)[0]: meta.with_suffix("")
     for meta in PACKAGE.rglob("*.meta")
 }
-BUILDERS = PACKAGE / "Runtime/Unity/Scenes"  # what both scenes have
+BUILDERS = PACKAGE / "Runtime/Unity/Scenes"  # the common parts of both scenes
 SCENES = sorted((PACKAGE / "Samples~").rglob("*.unity"))
 FILES = [*sorted(PREFABS.rglob("*.prefab")), *SCENES]
 ASSETS = sorted([*PACKAGE.rglob("*.mat"), *PACKAGE.rglob("*.asset")])

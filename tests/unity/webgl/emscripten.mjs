@@ -8,7 +8,7 @@
 import vm from "node:vm";
 
 /**
- * Links a library and returns its functions, which live in a memory of their own.
+ * Links a library and returns its functions, which have their own memory.
  *
  * @param {string} source the .jslib
  * @param {string[]} used the functions that the program imports

@@ -22,7 +22,7 @@ const NAMES = [
   "BufferedBytes", "Close", "CloseCode", "CloseReason", "Free",
 ];
 
-/** Node 20 tells of a connection that failed by `error` alone; in browsers `close` always follows. */
+/** Node 20 reports a failed connection by `error` alone. In browsers `close` always follows. */
 class BrowserWebSocket extends WebSocket {
   constructor(url) {
     super(url);
@@ -37,7 +37,7 @@ class BrowserWebSocket extends WebSocket {
 }
 globalThis.WebSocket = BrowserWebSocket;
 
-/** Node decodes memory that threads share; browsers refuse it. */
+/** Node decodes memory that threads share. Browsers refuse it. */
 class BrowserTextDecoder extends TextDecoder {
   decode(view) {
     if (view.buffer instanceof SharedArrayBuffer) {

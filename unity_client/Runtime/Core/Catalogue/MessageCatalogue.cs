@@ -9,7 +9,7 @@ namespace Ros2Gateway.Messages
     /// the package. Any thread.
     /// </summary>
     /// <remarks>
-    /// What a scene names by text is made here, so this class, like the classes that it lists, is one per process.
+    /// Makes the messages that a scene names by text, so this class, like the classes that it lists, is one per process.
     /// A build in which nobody calls <see cref="Create"/> has only the package's classes that its code uses. The
     /// components for any topic call it. With the scripting define <c>ROS2GATEWAY_REGISTERED_MESSAGES</c> they,
     /// too, know registered classes alone.

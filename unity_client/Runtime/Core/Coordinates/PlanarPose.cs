@@ -21,7 +21,7 @@ namespace Ros2Gateway
             this.yaw = yaw;
         }
 
-        /// <summary>What is left of a pose on the floor: height, roll and pitch are dropped.</summary>
+        /// <summary>A pose on the floor, without height, roll and pitch.</summary>
         public PlanarPose(Pose<Flu> pose)
             : this(pose.position.x, pose.position.y, pose.orientation.Yaw())
         {

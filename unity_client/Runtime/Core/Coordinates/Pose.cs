@@ -3,7 +3,7 @@ using System;
 
 namespace Ros2Gateway
 {
-    /// <summary>Where something is and how it is turned, or a transform: first rotated, then moved.</summary>
+    /// <summary>A position and a rotation, or a transform: first rotated, then moved.</summary>
     public readonly struct Pose<TFrame> : IEquatable<Pose<TFrame>>
         where TFrame : struct, IFrame
     {

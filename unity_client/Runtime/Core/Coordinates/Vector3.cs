@@ -5,7 +5,7 @@ using System.Globalization;
 namespace Ros2Gateway
 {
     /// <summary>
-    /// A position, velocity, acceleration or force in a frame: what a mirror mirrors. What turns is an
+    /// A position, velocity, acceleration or force in a frame: a mirror mirrors it. A rotation is an
     /// <see cref="AxialVector3{TFrame}"/>.
     /// </summary>
     public readonly struct Vector3<TFrame> : IEquatable<Vector3<TFrame>>

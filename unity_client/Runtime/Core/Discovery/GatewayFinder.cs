@@ -91,7 +91,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Looks no longer. What was found stays.</summary>
+        /// <summary>Looks no longer. Found gateways stay.</summary>
         public void Dispose()
         {
             _isClosed = true;

@@ -9,7 +9,7 @@ namespace Ros2Gateway.Drive
     /// </summary>
     /// <remarks>
     /// The graph does not say whose a type is, and a publisher of ours adds its own. So where both are there, ours is
-    /// withdrawn for a while to see which stays. Whatever is pushed in the meantime moves nothing.
+    /// withdrawn for a while to see which stays. Until then, nothing moves.
     /// Time comes as an argument, in milliseconds.
     /// </remarks>
     internal sealed class CommandType
@@ -18,7 +18,7 @@ namespace Ros2Gateway.Drive
         private const long LookMilliseconds = 3000;
 
         private readonly string _topic;
-        private string _former; // what was sent before it was withdrawn
+        private string _former; // the type that was sent before it was withdrawn
         private string _settledFor; // the subscribers among whom both types stayed
         private string _subscribers = "";
         private bool _areBoth;

@@ -4,7 +4,7 @@ using System.Globalization;
 
 namespace Ros2Gateway.Drive
 {
-    /// <summary>What a base with two driven wheels is told, in its own axes.</summary>
+    /// <summary>The command for a base with two driven wheels, in its own axes.</summary>
     public readonly struct DriveCommand : IEquatable<DriveCommand>
     {
         /// <summary>Metres per second ahead: the <c>linear.x</c> of a Twist.</summary>

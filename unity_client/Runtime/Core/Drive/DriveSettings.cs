@@ -4,7 +4,7 @@ using System;
 namespace Ros2Gateway.Drive
 {
     /// <summary>
-    /// What a <see cref="DriveToTarget"/> may do and when it gives up. Shows in Unity's Inspector. The
+    /// The limits of a <see cref="DriveToTarget"/>, and when it gives up. Shows in Unity's Inspector. The
     /// defaults suit a TurtleBot3.
     /// </summary>
     [Serializable]

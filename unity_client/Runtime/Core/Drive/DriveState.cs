@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 namespace Ros2Gateway.Drive
 {
-    /// <summary>What a <see cref="DriveToTarget"/> is doing.</summary>
+    /// <summary>The activity of a <see cref="DriveToTarget"/>.</summary>
     public enum DriveState
     {
         /// <summary>There is no target, or it was taken away. The robot is told to stand.</summary>

@@ -46,7 +46,7 @@ namespace Ros2Gateway.Drive
             Reason = "";
         }
 
-        /// <summary>What it is doing since the last step, target or stop.</summary>
+        /// <summary>Its activity since the last step, target or stop.</summary>
         public DriveState State { get; private set; }
 
         /// <summary>Why it failed, waits or was stopped, in words. Empty otherwise.</summary>
@@ -66,7 +66,7 @@ namespace Ros2Gateway.Drive
         }
 
         /// <summary>
-        /// Drives to a point from the next step on, in the odometry's frame, in metres. Whatever was before
+        /// Drives to a point from the next step on, in the odometry's frame, in metres. The former target
         /// is dropped. A point that is not finite is a failure at once.
         /// </summary>
         public void SetTarget(double x, double y, double nowSeconds)
@@ -103,7 +103,7 @@ namespace Ros2Gateway.Drive
 
         /// <summary>
         /// The command for now, given the newest pose and when it came, both times in seconds of one clock. A
-        /// clock that goes back stands still for that step. A pose that is not finite is none.
+        /// clock that goes back stands still for that step. A pose that is not finite is ignored.
         /// </summary>
         public DriveCommand Step(PlanarPose pose, double poseTime, double now)
         {

@@ -9,7 +9,7 @@ namespace Ros2Gateway.Drive
     /// </summary>
     /// <remarks>
     /// The derivative is the error's, not the measurement's, so that errors of angles need nobody to unwrap
-    /// two signals: with the setpoint at rest they are the same except the sign. Whoever moves the setpoint
+    /// two signals: with the setpoint at rest they are the same except the sign. A caller that moves the setpoint
     /// by a jump calls <see cref="Reset"/>, and no kick follows. Against windup the integral stands still
     /// while the output is at its limit and the error pushes further, and alone never exceeds it.
     /// </remarks>
