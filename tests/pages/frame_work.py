@@ -2,7 +2,7 @@
 """Measure the lab's own part of a frame: ``python -m tests.pages.frame_work``.
 
 It runs in an emulated headset. The work before drawing and three's own work on the processor are
-told apart. What the GPU does is in neither. A test would measure no more than the machine.
+told apart. The work of the GPU is in neither. A test would measure no more than the machine.
 """
 
 import asyncio

@@ -2,7 +2,7 @@
 """``ros2-gateway demo`` with more time for commands and for its guard process.
 
 Next to a browser that draws in software a busy machine holds each up for seconds, and a robot that
-is rightly stopped for it arrives nowhere. What stops a robot in time has its own tests.
+is rightly stopped for it arrives nowhere. The stops of a robot have their own tests.
 """
 
 from typing import Any

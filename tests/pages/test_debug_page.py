@@ -90,7 +90,7 @@ async def test_a_first_visit_by_finger_opens_no_stick_but_the_list_does(demo, op
         assert await page.locator(".stick").count() == 1
 
 
-async def test_a_first_visit_opens_what_comes_node_by_node_until_somebody_acts(open_page, nowhere):
+async def test_a_first_visit_opens_cards_node_by_node_until_the_user_acts(open_page, nowhere):
     parts = {"/odom": "nav_msgs/Odometry", "/scan": "sensor_msgs/LaserScan"}
     late = {"/image": "sensor_msgs/CompressedImage"}
     async with (
@@ -196,7 +196,7 @@ async def test_pausing_a_rate_cap_and_closing(demo, open_page):
         assert await page.locator("article").count() == 0
 
 
-async def test_controls_that_look_the_same_have_names_of_their_own(demo, open_page):
+async def test_controls_that_look_the_same_have_different_names(demo, open_page):
     cards = "#card=tree+0+/odom&card=publish+0+/cmd_vel"
     async with open_page(page_address(demo) + cards) as page:
         for role, name in (
@@ -231,7 +231,7 @@ async def test_a_view_that_does_not_fit_says_so_in_words(demo, open_page):
 
 
 @pytest.mark.parametrize("part", ["foo+0+/odom", "%"])
-async def test_what_the_address_names_in_vain_is_said(demo, open_page, part):
+async def test_the_page_says_which_names_in_its_address_are_unknown(demo, open_page, part):
     async with open_page(page_address(demo) + f"#card={part}") as page:
         await until(page, "() => notice.textContent.includes('The address names unknown cards')")
         assert part.replace("+", " ") in await page.inner_text("#notice")
@@ -304,7 +304,7 @@ async def test_the_list_stays_in_view_while_the_cards_scroll(demo, open_page):
             assert 0 <= box["y"] < DESK["height"]
 
 
-async def test_a_plot_says_the_newest_value_beside_the_name_of_each_curve(open_page, nowhere):
+async def test_a_plot_says_the_newest_value_next_to_the_name_of_each_curve(open_page, nowhere):
     async with (
         gateway_process("serve", *nowhere) as gateway,
         client(gateway.url) as speaker,
@@ -391,7 +391,7 @@ async def test_without_a_robot_the_page_says_so(open_page, nowhere):
             await page.wait_for_selector(card("/scan"))
 
 
-async def test_what_came_regularly_and_stays_away_turns_pale(open_page, nowhere):
+async def test_a_card_of_regular_messages_that_stay_away_turns_pale(open_page, nowhere):
     async with (
         gateway_process("serve", *nowhere) as gateway,
         client(gateway.url) as speaker,
@@ -411,7 +411,7 @@ async def test_what_came_regularly_and_stays_away_turns_pale(open_page, nowhere)
         assert [pale[1], usual[1]] == ["1", "1"]  # or no rule says how well a text is read
 
 
-async def test_that_nobody_publishes_any_longer_is_said_until_the_next_message(open_page, nowhere):
+async def test_a_lost_publisher_is_said_until_the_next_message(open_page, nowhere):
     async with (
         gateway_process("serve", *nowhere) as gateway,
         client(gateway.url) as speaker,
@@ -429,7 +429,7 @@ async def test_that_nobody_publishes_any_longer_is_said_until_the_next_message(o
             await until(page, "() => cards.textContent.includes('publishes no longer')")
 
 
-async def test_each_card_of_a_topic_says_that_nobody_publishes_any_longer(open_page, nowhere):
+async def test_each_card_of_a_topic_says_that_its_publisher_is_lost(open_page, nowhere):
     async with (
         gateway_process("serve", *nowhere) as gateway,
         client(gateway.url) as speaker,
@@ -490,7 +490,7 @@ async def test_a_token_is_asked_for_and_kept_for_the_tab(open_page, tmp_path):
             assert "r2g_" not in page.url
 
 
-async def test_what_is_no_json_or_no_operation_is_said_and_harms_nothing(demo, open_page):
+async def test_invalid_json_and_unknown_operations_are_said_and_harm_nothing(demo, open_page):
     async with open_page("about:blank") as page:
         routes = []
 
@@ -566,7 +566,7 @@ async def test_a_finger_hits_every_control(demo, open_page):
 
 @pytest.mark.long
 @pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
-async def test_what_closes_a_card_stands_in_its_corner(demo, open_page, viewport):
+async def test_the_close_button_of_a_card_stands_in_its_corner(demo, open_page, viewport):
     cards = "#card=tree+0+/odom&card=tree+0+/camera/image_raw/compressed&card=call+0+/motor_power"
     far = """() => [...document.querySelectorAll("article")].filter((each) => {
         const [outer, inner] = [each, each.querySelector("[aria-label^=close]")].map(

@@ -152,7 +152,7 @@ async def test_a_speed_that_was_driven_before_is_not_blamed(demo, open_page, ask
         assert words in said
 
 
-async def test_who_may_only_watch_is_told_so_before_trying(demo, open_page):
+async def test_a_viewer_is_told_so_before_trying_to_drive(demo, open_page):
     as_viewer = """
         window.sent = [];
         const { send } = WebSocket.prototype;
@@ -224,7 +224,7 @@ async def test_the_knob_shows_where_keys_drive(demo, open_page):
             await page.wait_for_function("() => knob.style.transform === 'translate(0rem, 0rem)'")
 
 
-async def test_what_is_touched_is_large_enough(demo, open_page):
+async def test_controls_are_large_enough_to_touch(demo, open_page):
     async with drive_on(open_page, demo, PHONE) as page:
         height = "each => each.getBoundingClientRect().height"
         for name in ("stop", "linear", "angular"):

@@ -137,7 +137,7 @@ async def test_a_page_that_is_closed_while_it_drives_stops_the_robot(drive, watc
     await watched.until(state="stopped")
 
 
-async def test_who_else_drives_is_said_and_can_be_taken_over(demo, drive, watched):
+async def test_another_driver_is_said_and_can_be_taken_over(demo, drive, watched):
     async with client(demo.url) as other, drive() as page:
         await other.send(op="acquire_control", topic="/cmd_vel")
         # after any stop of the robot
@@ -222,7 +222,7 @@ FRESH = (
 )
 
 
-async def test_what_a_dead_robot_has_sent_turns_pale_and_nobody_says_that_it_drives(
+async def test_the_data_of_a_dead_robot_turn_pale_and_nobody_says_that_it_drives(
     demo, drive, watched
 ):
     async with drive() as page:
@@ -397,7 +397,7 @@ async def test_a_warning_that_passes_by_itself_is_left_to_the_views(demo, open_p
         )
 
 
-async def test_a_command_after_a_stop_is_refused_in_words_for_whoever_drives(demo, open_page):
+async def test_a_command_after_a_stop_is_refused_in_words_for_the_driver(demo, open_page):
     async with open_page(f"{page_address(demo)}drive") as page:
         words = await page.evaluate("""async () => {
             const { refusal } = await import("/shared/control_words.js");
@@ -408,7 +408,7 @@ async def test_a_command_after_a_stop_is_refused_in_words_for_whoever_drives(dem
         assert "msg" not in words
 
 
-async def test_a_command_that_came_late_is_told_of_in_words_for_whoever_drives(demo, open_page):
+async def test_a_late_command_is_refused_in_words_for_the_driver(demo, open_page):
     async with open_page(f"{page_address(demo)}drive") as page:
         words = await page.evaluate("""async () => {
             const { refusal } = await import("/shared/control_words.js");

@@ -76,7 +76,7 @@ def forgive_the_first_address(page) -> None:
     page.wrong[:] = [each for each in page.wrong if not each.startswith("http")]
 
 
-async def test_what_the_link_drops_is_counted_from_message_to_message(demo, open_page):
+async def test_drops_of_the_connection_are_counted_from_message_to_message(demo, open_page):
     async with open_page("about:blank") as page:
         # nothing has been throttled, so that there is nothing to wait for
         count = await opened_at(page, demo, PLOT.format(rate=0), answers_pings=False)
@@ -93,7 +93,7 @@ async def test_what_the_link_drops_is_counted_from_message_to_message(demo, open
         forgive_the_first_address(page)
 
 
-async def test_what_a_rate_leaves_out_is_no_drop_and_the_rate_is_said(demo, open_page):
+async def test_messages_that_a_rate_leaves_out_are_not_drops_and_the_rate_is_said(demo, open_page):
     async with open_page("about:blank") as page:
         count = await opened_at(page, demo, PLOT.format(rate=5))
         await until(page, f"() => {FOOTER}.endsWith('limited to 5 Hz by this page')")
@@ -109,7 +109,7 @@ async def test_what_a_rate_leaves_out_is_no_drop_and_the_rate_is_said(demo, open
         forgive_the_first_address(page)
 
 
-async def test_what_a_rate_left_out_is_no_drop_where_its_last_messages_come_late(demo, open_page):
+async def test_messages_that_a_rate_left_out_are_not_drops_if_the_last_come_late(demo, open_page):
     async with open_page("about:blank") as page:
         count = await opened_at(page, demo, PLOT.format(rate=5))
         await until(page, f"() => {FOOTER}.endsWith('limited to 5 Hz by this page')")

@@ -91,7 +91,7 @@ def field(page, title: str, *names: str):
         (OCTETS, "#", "refused: expected numbers from 0 to 255, or base64"),
     ],
 )
-async def test_what_is_typed_becomes_json_or_a_refusal_in_words(
+async def test_typed_text_becomes_json_or_a_refusal_in_words(
     demo, open_page, schema, typed, wanted
 ):
     async with open_page(page_address(demo)) as page:
@@ -173,7 +173,9 @@ async def test_json_that_fits_is_the_same_by_fields(demo, open_page, message):
         ("[]", "it does not fit: expected an object, not []"),
     ],
 )
-async def test_what_the_fields_would_lose_stays_json_and_is_named(demo, open_page, message, words):
+async def test_values_that_the_fields_would_lose_stay_json_and_are_named(
+    demo, open_page, message, words
+):
     async with open_page(page_address(demo)) as page:
         said = await page.evaluate(BACK, [json.dumps(ALL_KINDS), message])
         assert said.startswith(STAYS + words)
@@ -222,7 +224,7 @@ async def test_a_wrong_number_is_told_of_and_nothing_is_sent(demo, open_page):
         await until(page, "() => cards.textContent.includes('1 sent')")
 
 
-async def test_what_the_gateway_refuses_is_shown_in_its_words(demo, open_page):
+async def test_refusals_are_shown_in_the_words_of_the_gateway(demo, open_page):
     async with (
         client(demo.url) as other,
         open_page(page_address(demo) + "#card=publish+0+/cmd_vel") as page,
@@ -510,7 +512,7 @@ async def test_a_service_is_called_by_keyboard_alone(demo, open_page):
         await until(page, '() => /"success":/.test(cards.textContent)')
 
 
-async def test_what_is_gone_is_said(demo, open_page):
+async def test_a_topic_that_is_gone_is_said(demo, open_page):
     async with open_page(
         page_address(demo) + "#card=call+0+/motor_powr&card=node+0+/nobody"
     ) as page:

@@ -102,7 +102,7 @@ async def assert_it_sends_nothing_that_moves(page) -> None:
 
 @pytest.mark.parametrize("when", ["from the start", "later"])
 @pytest.mark.parametrize("name", ["drive", DRIVE_CARD, "lab"])
-async def test_what_is_held_while_another_client_drives_moves_nothing_when_that_ends(
+async def test_a_key_held_while_another_client_drives_moves_nothing_when_that_ends(
     demo, open_page, watched: Watched, name, when
 ):
     said = "document.querySelector('.control')?.textContent"
@@ -135,9 +135,7 @@ async def test_what_is_held_while_another_client_drives_moves_nothing_when_that_
         await watched.until(state="stopped")
 
 
-async def test_what_is_held_while_a_robot_leaves_moves_nothing_when_it_comes_back(
-    open_page, nowhere
-):
+async def test_a_key_held_while_a_robot_leaves_moves_nothing_when_it_comes_back(open_page, nowhere):
     says = "() => control.textContent.startsWith"
     async with (
         gateway_process("serve", *nowhere) as gateway,
@@ -163,7 +161,7 @@ async def test_what_is_held_while_a_robot_leaves_moves_nothing_when_it_comes_bac
 
 
 @pytest.mark.parametrize("by", ["key", "stick"])
-async def test_what_was_pressed_while_nobody_could_drive_drives_nobody_later(drive, by):
+async def test_a_key_pressed_while_nobody_could_drive_drives_nothing_later(drive, by):
     reported = """async (by) => {
         const { watch } = await import("/shared/held.js");
         const stick = document.createElement("div");

@@ -34,12 +34,12 @@ FROM_CBOR = """async frame => {
         '{"data":[0.30000000000000004,-1.5,3]}',
     ],
 )
-async def test_what_is_read_is_written_with_all_its_digits(demo, open_page, text):
+async def test_json_is_written_with_all_the_digits_that_were_read(demo, open_page, text):
     async with open_page(page_address(demo)) as page:
         assert await page.evaluate(READ_AND_WRITTEN, text) == text
 
 
-async def test_what_a_number_holds_stays_a_number(demo, open_page):
+async def test_an_integer_that_fits_a_number_stays_a_number(demo, open_page):
     async with open_page(page_address(demo)) as page:
         text = f'[ {MOST},{2**53 - 1},1e17,1,"{MOST}"]'
         kinds = "bigint number number number string"

@@ -31,7 +31,7 @@ WHERE = """([x, y]) => {
     const { left, top, width, height } = lab.renderer.domElement.getBoundingClientRect();
     return [left + (place.x + 1) * width / 2, top + (1 - place.y) * height / 2];
 }"""
-# before something that hangs on a wall. Where it is on the page, so low that
+# before something that hangs on a wall: its position on the page, so low that
 # the ray goes on to the floor behind
 BEFORE = """(thing) => {
     const { rig, camera } = lab.viewer;
@@ -145,7 +145,7 @@ async def test_a_click_on_what_hangs_there_sends_the_robot_nowhere(lab, thing):
         ("() => { lab.pilot.odometry = () => {}; }", "no odometry"),
     ],
 )
-async def test_what_ends_an_approach_stops_the_robot_and_says_why(lab, speaker, by, words):
+async def test_every_end_of_an_approach_stops_the_robot_and_says_why(lab, speaker, by, words):
     watched = Watched(speaker)
     async with lab() as page:
         await speaker.send(op="control", topic="/cmd_vel", watch=True)
@@ -158,7 +158,7 @@ async def test_what_ends_an_approach_stops_the_robot_and_says_why(lab, speaker, 
         assert not await page.evaluate("() => lab.pilot.isActive")
 
 
-async def test_a_stop_by_somebody_else_ends_an_approach(lab, speaker):
+async def test_a_stop_by_another_client_ends_an_approach(lab, speaker):
     async with lab() as page:
         await send(page, click_on(page, -0.5, 0))
         await page.wait_for_function("() => control.textContent === 'Driving.'")
@@ -181,7 +181,7 @@ async def test_odometry_that_jumps_ends_an_approach(lab, speaker):
         assert said.startswith("The approach has ended: the odometry jumped by 1.")
 
 
-async def test_what_stop_has_said_is_over_when_the_robot_drives_again(lab):
+async def test_the_words_of_stop_are_over_when_the_robot_drives_again(lab):
     async with lab() as page:
         await page.click("#stop")
         await page.wait_for_function("() => notice.textContent === 'The gateway stopped /cmd_vel.'")
@@ -231,7 +231,7 @@ async def test_a_room_that_is_not_drawn_any_more_ends_an_approach_and_says_so(la
         page.wrong[:] = [each for each in page.wrong if "Context" not in each]  # three.js says so
 
 
-async def test_what_is_old_turns_pale_without_a_connection(demo, speaker, open_page):
+async def test_old_data_turn_pale_without_a_connection(demo, speaker, open_page):
     async with open_page("about:blank", viewport=SMALL) as page, severable(page) as line:
         await page.goto(f"{page_address(demo)}lab")
         await page.evaluate(KEEP)
@@ -271,7 +271,7 @@ NOTE = """() => {
 }"""
 
 
-async def test_what_is_said_of_the_robot_and_of_its_approach_never_contradicts(lab, speaker):
+async def test_the_words_about_the_robot_and_its_approach_never_contradict(lab, speaker):
     async with lab() as page:
         await page.evaluate(NOTE)
         await send(page, click_on(page, -0.6, 0.2))
@@ -382,7 +382,7 @@ async def test_a_key_that_is_held_drives_no_more_once_another_client_drives(lab,
     ],
     ids=["viewer", "operator who may not drive"],
 )
-async def test_whoever_may_only_look_is_told_so(open_page, speaker, settings, words):
+async def test_a_viewer_is_told_so(open_page, speaker, settings, words):
     options = [part for setting in settings for part in ("--set", setting)]
     domain = ("--domain-id", str(robots_domain()))
     async with (

@@ -133,7 +133,7 @@ async def test_nobody_goes_beyond_walls_map_and_robot(lab, reach, robot, place, 
         assert found == [list(kept), list(kept)]
 
 
-async def test_whoever_stands_beyond_goes_no_farther_and_is_not_moved_back(lab):
+async def test_a_user_beyond_the_bounds_goes_no_farther_and_is_not_moved_back(lab):
     async with lab() as page:
         places = await page.evaluate("""async () => {
             const { Vector3 } = await import("/vendor/three.js");
@@ -169,7 +169,7 @@ async def test_a_target_is_dropped_where_the_gateway_lets_nothing_move(lab):
         assert not words[3]
 
 
-async def test_who_may_not_drive_sends_nothing_until_another_connection_lets_him(lab):
+async def test_a_viewer_sends_nothing_until_another_connection_permits_it(lab):
     async with lab() as page:
         sent = await page.evaluate("""async () => {
             const { Pilot } = await import("/lab/pilot.js");

@@ -177,7 +177,7 @@ async def untold(nowhere):
         yield gateway, robot
 
 
-async def test_what_is_hidden_for_want_of_a_transform_is_said(open_page, untold):
+async def test_a_missing_transform_is_named(open_page, untold):
     gateway, robot = untold
     async with open_page(f"{page_address(gateway)}lab", viewport=SMALL) as page:
         await page.evaluate(KEEP)
@@ -242,9 +242,7 @@ async def test_a_place_that_nobody_knows_is_told_of_after_a_while(
     ],
 )
 @pytest.mark.parametrize("turned", [False, True])
-async def test_what_the_map_says_of_a_place_wherever_its_frame_is(
-    demo, open_page, place, words, turned
-):
+async def test_the_map_judges_a_place_in_any_frame(demo, open_page, place, words, turned):
     cells = [0, 65, -1, 0, 64, 100]
     pose = (10, 20, 1.5707963) if turned else (0, 0, 0)
     if turned:  # a quarter to the left, and away

@@ -73,7 +73,7 @@ async def test_the_lab_says_which_of_its_topics_nobody_publishes(page_at):
 
 
 @pytest.mark.parametrize("path", ["drive", "lab"])
-async def test_what_listens_to_the_command_topic_of_the_address_is_driven(page_at, speaker, path):
+async def test_the_robot_on_the_command_topic_of_the_address_is_driven(page_at, speaker, path):
     async with page_at(f"{path}#command=/cmd_vel") as page:
         await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
     async with page_at(f"{path}#command=/other/cmd_vel") as page:
@@ -84,7 +84,7 @@ async def test_what_listens_to_the_command_topic_of_the_address_is_driven(page_a
 
 
 @pytest.mark.parametrize("path", ["drive", "lab"])
-async def test_what_a_page_does_not_know_of_its_address_is_told_of(page_at, path):
+async def test_unknown_names_in_the_address_are_said(page_at, path):
     async with page_at(f"{path}#cam=/rear/image") as page:
         notice = page.locator("#notice")
         await notice.get_by_text('unknown names: "cam". Use camera, map,').wait_for()

@@ -68,7 +68,7 @@ async def test_stop_ends_every_repeat_of_the_page_and_each_card_says_so(demo, op
         await other.receive(lambda frame: frame.get("state") == "stopped", 120)
 
 
-async def test_a_link_that_goes_dark_ends_it_for_good(demo, open_page):
+async def test_a_dead_connection_ends_it_for_good(demo, open_page):
     async with open_page(page_address(demo) + ADDRESS, script=SOCKETS) as page:
         await repeat(page)
         await page.evaluate("() => darken(true)")

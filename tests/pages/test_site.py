@@ -18,7 +18,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 MERMAID = Path(sys.prefix) / "clients/mermaid-11.17.2"
 BUILD_S = 300
-# what a page loads by itself. A link is only followed by a reader
+# a page loads these by itself. Only a reader follows a link
 LOADED = re.compile(r"<(?:script|img|iframe|source|link)\b[^>]*?\b(?:src|href)=\"?([^\"\s>]+)")
 
 

@@ -95,7 +95,7 @@ async def test_each_way_to_press_it_stops_once(demo, open_page):
         assert counts == [1, 2, 2, 3, 3, 4, 5]
 
 
-async def test_who_stopped_the_robot_is_said_as_it_is(demo, open_page):
+async def test_the_page_says_truly_who_stopped_the_robot(demo, open_page):
     async with open_page(f"{page_address(demo)}drive") as page:
         words = await page.evaluate("""async () => {
             const { sentence } = await import("/shared/control_words.js");

@@ -39,7 +39,7 @@ def contrast(one: str, other: str) -> float:
 
 
 @pytest.mark.parametrize("scheme", ["dark", "light"])
-def test_what_is_read_stands_out(scheme):
+def test_text_stands_out(scheme):
     tokens = colours(scheme)
     pairs = [*itertools.product(READ, BEHIND), ("on-danger", "danger")]
     found = {pair: round(contrast(*(tokens[name] for name in pair)), 2) for pair in pairs}
@@ -68,7 +68,7 @@ def test_a_scan_stands_out_from_all_that_a_map_shows(scheme):
 
 
 @pytest.mark.parametrize("scheme", ["dark", "light"])
-def test_what_takes_a_text_has_an_edge_that_is_seen(scheme):
+def test_text_fields_have_a_visible_edge(scheme):
     tokens = colours(scheme)
     found = {name: contrast(tokens["edge"], tokens[name]) for name in BEHIND}
     assert {name: ratio for name, ratio in found.items() if ratio < LEAST_DRAWN} == {}

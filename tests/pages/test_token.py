@@ -39,7 +39,7 @@ async def test_a_token_may_be_pasted_with_the_name_of_its_scheme(guarded, open_p
 
 
 @pytest.mark.parametrize("wrong", ["two words", "ключ", "a,b"])
-async def test_what_is_no_token_is_refused_in_words_and_not_kept(guarded, open_page, wrong):
+async def test_an_invalid_token_is_refused_in_words_and_not_kept(guarded, open_page, wrong):
     gateway, token = guarded
     async with open_page(f"{page_address(gateway)}drive") as page:
         await page.wait_for_function(ASKS)
@@ -54,7 +54,7 @@ async def test_what_is_no_token_is_refused_in_words_and_not_kept(guarded, open_p
         await page.wait_for_selector(".state[data-state=open]")
 
 
-async def test_what_is_no_token_in_the_address_is_refused_in_words(guarded, open_page):
+async def test_an_invalid_token_in_the_address_is_refused_in_words(guarded, open_page):
     gateway, _ = guarded
     async with open_page(f"{page_address(gateway)}drive#token=two%20words") as page:
         await page.wait_for_function(REFUSES)

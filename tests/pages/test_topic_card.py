@@ -172,7 +172,7 @@ async def test_marks_of_time_are_round(open_card):
         assert {int(each.split()[0]) % 5 for each in marks} == {0}
 
 
-async def test_what_is_copied_is_what_is_shown(open_card):
+async def test_the_shown_message_is_copied(open_card):
     async with open_card("tree") as page:
         await page.evaluate("() => press('Copy /x')")
         await until(page, f"() => ({PROBLEM})() === 'not copied: nothing has come yet'")
@@ -194,7 +194,7 @@ async def test_that_it_was_copied_is_said_for_a_while(open_card):
 
 
 @pytest.mark.parametrize("code", ["type_conflict", "deadline_missed"])
-async def test_what_the_next_message_disproves_is_said_until_then(open_card, code):
+async def test_a_warning_is_said_until_the_next_message_disproves_it(open_card, code):
     async with open_card("tree") as page:
         await page.evaluate("code => says({ code, msg: 'it is so' })", code)
         await page.evaluate("() => { now += 60_000; alone.tick(); }")
@@ -203,7 +203,7 @@ async def test_what_the_next_message_disproves_is_said_until_then(open_card, cod
         assert await page.evaluate(PROBLEM) == ""
 
 
-async def test_the_last_messages_do_not_disprove_that_nobody_publishes_any_longer(open_card):
+async def test_the_last_messages_do_not_disprove_a_lost_publisher(open_card):
     gone = """() => {
         says({ code: "publisher_gone", msg: "it is so" });
         take({ data: 1 }); // a rate has held it back
@@ -314,7 +314,7 @@ async def test_a_name_turns_no_text_around_it(open_card):
         assert await page.evaluate(apart) == [line["name"], line["msg"]]
 
 
-async def test_what_came_once_has_an_age_and_no_rate(open_card):
+async def test_a_single_message_has_an_age_and_no_rate(open_card):
     async with open_card("tree") as page:
         await page.evaluate("() => { gateway.throttleOf = () => 200; take({ data: 1 }); }")
         await page.evaluate("() => { now += 17_000; drawn(); }")

@@ -132,7 +132,7 @@ async def test_a_list_is_one_stop_of_tab_and_arrow_keys_go_through_it(demo, open
         assert await press("Home") == "tab-topics"
 
 
-async def test_what_has_the_stop_of_a_list_can_be_seen(demo, open_page):
+async def test_the_tab_stop_of_a_list_can_be_seen(demo, open_page):
     async with open_page(page_address(demo) + "#card=tree+0+/odom") as page:
         stop = "() => document.querySelector('#topics [tabindex=\"0\"]').textContent"
         await page.focus("#topics button:has-text('/camera/camera_info')")
@@ -254,7 +254,7 @@ async def test_a_topic_that_is_not_measured_says_why_until_there_is_room(open_pa
         assert await page.is_hidden("#notice")  # to end what was refused is nothing to tell of
 
 
-async def test_what_is_measured_stays_so_by_another_connection(demo, open_page):
+async def test_measured_topics_stay_so_by_another_connection(demo, open_page):
     async with open_page("about:blank", TALL) as page, severable(page) as line:
         await page.goto(f"{page_address(demo)}#measure=all&card=plot+0+/imu")
         await until(page, f"() => / Hz · /.test({words('/scan')})")

@@ -55,7 +55,7 @@ async def test_a_button_stays_while_a_list_changes_its_length(tree, label):
 
 
 @pytest.mark.parametrize("strange", ["NaN", "Infinity", "-Infinity"])
-async def test_a_number_that_is_none_for_a_while_can_be_plotted_all_along(tree, strange):
+async def test_a_number_that_is_missing_for_a_while_can_be_plotted_all_along(tree, strange):
     for value in (strange, 1.5, strange):
         await tree.evaluate("data => view.show({ data })", value)
         assert await tree.evaluate(TEXT) == f"data: {value} plot"
@@ -65,7 +65,7 @@ async def test_a_number_that_is_none_for_a_while_can_be_plotted_all_along(tree, 
     assert await tree.evaluate("() => plotted") == ["data"]
 
 
-async def test_a_text_that_says_nan_is_no_number(tree):
+async def test_a_text_that_says_nan_is_not_a_number(tree):
     for text in ("hello", "NaN"):
         await tree.evaluate("text => view.show({ data: text })", text)
         assert await tree.evaluate(TEXT) == f'data: "{text}"'
@@ -78,7 +78,7 @@ async def test_a_message_without_fields_says_so(tree):
     assert await tree.evaluate(TEXT) == "stamp: no fields list: []"
 
 
-async def test_what_was_a_value_may_become_a_group(tree):
+async def test_a_value_may_become_a_group(tree):
     for value, text in (("[]", "[]"), ("[1]", "0: 1 plot"), ("[]", "[]"), ("[2]", "0: 2 plot")):
         await tree.evaluate(f"() => view.show({{ list: {value} }})")
         assert await tree.evaluate(TEXT) == f"list: {text}"
@@ -109,7 +109,7 @@ async def test_a_value_turns_no_text_around_it(tree):
     assert await tree.evaluate(apart) == ["n\u202ee", '"it is\u202e so"']
 
 
-async def test_a_view_that_was_closed_meanwhile_subscribes_to_nothing(tree):
+async def test_a_view_that_was_closed_while_it_asked_subscribes_to_nothing(tree):
     await tree.evaluate("() => { view.show(items(5), ' '.repeat(100_001)); view.close(); }")
     await tree.evaluate("() => new Promise((done) => setTimeout(done))")
     assert await tree.evaluate("() => asked") == []

@@ -267,7 +267,7 @@ async def test_pages_read_typed_arrays_wherever_they_stand(demo, open_page, tag,
 @pytest.mark.parametrize(
     "octets", ["", "61", "82", "1c", "5803ff", "00ff", "c101", "f8ff", "62c328"]
 )
-async def test_pages_refuse_what_is_no_cbor(demo, open_page, octets):
+async def test_pages_refuse_invalid_cbor(demo, open_page, octets):
     async with open_page(page_address(demo)) as page:
         assert (await read(page, bytes.fromhex(octets))).startswith("refused: ")
 

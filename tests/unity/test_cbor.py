@@ -176,7 +176,7 @@ def test_octets_are_bytes_or_in_a_tree_base64(probe):
         ),
     ],
 )
-def test_what_is_wrong_is_said_with_its_place(probe, operation, data, words):
+def test_faults_are_said_with_their_place(probe, operation, data, words):
     answer = probe.ask(f"cbor:{operation}", data)
     assert isinstance(answer, Refusal)
     assert words in answer.text

@@ -41,7 +41,7 @@ def runtime():
 
 
 @pytest.mark.parametrize("write", [files, lambda request: {"All.cs": text(request)}])
-def test_all_types_compile_beside_the_package(definitions, tmp_path, write):
+def test_all_types_compile_next_to_the_package(definitions, tmp_path, write):
     core = package.compiled("Ros2Gateway.Core", package.EDITOR)
     sources = write_texts(tmp_path, write(request_of_everything(definitions)))
     assert mono.compile_assembly("Mine", sources, references=[core]).path.exists()

@@ -100,7 +100,7 @@ def test_grey_pictures_are_grey(decoder, quality):
         assert_equal(decoder, encode(picture(width, height)[..., 0], quality))
 
 
-def test_a_picture_of_a_camera_with_tables_of_its_own(decoder):
+def test_a_picture_of_a_camera_with_its_own_tables(decoder):
     assert_equal(decoder, encode(picture(640, 480), 80, optimize=1))
     assert_equal(decoder, encode(picture(640, 480, noise=3), 30, optimize=1, rst_interval=40))
 
@@ -172,7 +172,7 @@ def test_comments_and_fill_bytes_are_passed_over(decoder):
         (lambda j: j[:2] + b"\xff\xd9", "the picture ends before all of it has come (byte 3)"),
     ],
 )
-def test_what_is_wrong_is_said_with_its_place(decoder, change, words):
+def test_faults_are_said_with_their_place(decoder, change, words):
     answer = decoder.ask("decode", change(encode(picture(97, 64))))
     if words is None:
         assert not isinstance(answer, Refusal)

@@ -246,7 +246,7 @@ def test_nesting_ends_at_64_levels(probe, operation, opening, closing):
 
 
 @given(mutated())
-def test_what_is_json_can_be_skipped(probe, data):
+def test_json_can_be_skipped(probe, data):
     if python_reads(data) is not None:
         assert probe.ask("skip", data) == b"null"
 
@@ -338,7 +338,7 @@ def test_octets_travel_as_base64(probe, octets):
 @example("Zm9=")
 @example("Zg==")
 @example("Zh==")
-def test_text_that_is_no_base64_is_refused(probe, text):
+def test_invalid_base64_is_refused(probe, text):
     try:
         octets = pybase64.b64decode(text, validate=True)
     except ValueError:

@@ -156,7 +156,7 @@ def test_messages_come_back_without_a_jit_compiler_too(types):
 
 
 @pytest.mark.parametrize("name", [row.name for row in TABLE.rows])
-def test_what_the_mock_system_sends_comes_back_as_it_went(name, probe, types):
+def test_messages_of_the_mock_system_come_back_as_they_went(name, probe, types):
     values = to_json(Inventor(InstalledDefinitions()).values(name, 3, NOW_NS))
     check_round_trip(probe, types.get(name), values)
 
@@ -223,7 +223,7 @@ def test_a_value_that_does_not_fit_is_refused_with_its_path(probe, text, reason)
     assert probe.ask("read:geometry_msgs/msg/PoseWithCovarianceStamped", text) == Refusal(reason)
 
 
-def test_members_that_are_no_fields_are_skipped(probe):
+def test_unknown_members_are_skipped(probe):
     text = b'{"new":{"a":[1,"}"]},"data":"x","\\u0064ata":"y"}'
     assert probe.ask("read:std_msgs/msg/String", text) == b'{"data":"y"}'
 

@@ -141,7 +141,7 @@ async def test_a_refused_connection_is_told_in_words(browser):
     assert await socket.closed() == (0, "cannot connect, the browser does not tell why")
 
 
-async def test_an_address_that_is_none_is_told_in_words(browser):
+async def test_an_invalid_address_is_refused_in_words(browser):
     socket = await browser.open("not an address")
     assert await socket.state() == CLOSED
     code, reason = await socket.closed()
@@ -222,7 +222,7 @@ async def test_a_close_while_connecting_ends_it(browser):
         assert await socket.closed() == (1000, "changed my mind")
 
 
-async def test_what_the_network_does_not_take_is_counted(browser):
+async def test_messages_that_the_network_does_not_accept_are_counted(browser):
     async with deaf_peer() as url:
         socket = await browser.open(url)
         await socket.until(OPEN)
