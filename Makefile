@@ -78,9 +78,7 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 	$(BIN)/python -m tools.unity_metas
 	$(BIN)/python -m tools.errors_page
 	@page=$$($(BIN)/python -m tools.mutants --page) && printf '%s\n' "$$page" > docs/contributing/mutants.md
-	@keys=$$($(BIN)/ros2-gateway check-config --keys) \
-	    && sed -i '/^| key |/,$$d' docs/reference/configuration.md \
-	    && printf '%s\n' "$$keys" >> docs/reference/configuration.md
+	$(BIN)/python -m tools.reference_pages
 
 site: $(READY_FOR_TESTS) $(CLIENTS) ## build the site of the documentation into build/site, ten seconds, without a network
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict $(ARGS)

@@ -10,16 +10,12 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 TIMEOUT_S = 180
-PAGE = "Words.\n\n| key | default |\n| old | 1 |\n"
 
 
 @pytest.fixture
 def tree(tmp_path):
-    """Return a source tree whose .venv is ready and whose page of settings is out of date."""
+    """Return a source tree whose .venv is ready."""
     (tmp_path / "pyproject.toml").touch()
-    (tmp_path / "docs/reference").mkdir(parents=True)
-    (tmp_path / "docs/contributing").mkdir()
-    (tmp_path / "docs/reference/configuration.md").write_text(PAGE)
     (tmp_path / ".venv/bin").mkdir(parents=True)
     script(tmp_path, "python", "exit 0")
     for ready in (".ready", ".ready-for-tests"):
@@ -31,28 +27,6 @@ def script(tree, name, lines):
     path = tree / ".venv/bin" / name
     path.write_text(f"#!/bin/sh\n{lines}\n")
     path.chmod(0o755)
-
-
-def make_docs(tree):
-    make = shutil.which("make")
-    if make is None:
-        pytest.skip("make is not installed")
-    command = [make, "-f", str(ROOT / "Makefile"), "docs"]
-    finished = subprocess.run(
-        command, cwd=tree, capture_output=True, timeout=TIMEOUT_S, check=False
-    )
-    return finished.returncode, (tree / "docs/reference/configuration.md").read_text()
-
-
-def test_make_docs_replaces_the_table_of_settings(tree):
-    script(tree, "ros2-gateway", "echo '| key | default |'\necho '| new | `$2` \\\\n |'")
-    assert make_docs(tree) == (0, "Words.\n\n| key | default |\n| new | `$2` \\n |\n")
-
-
-def test_make_docs_that_fails_leaves_the_page_as_it_was(tree):
-    script(tree, "ros2-gateway", "echo '| key |'\nexit 1")
-    code, page = make_docs(tree)
-    assert (code != 0, page) == (True, PAGE)
 
 
 @pytest.mark.parametrize(

@@ -396,7 +396,8 @@ def _cert(arguments: argparse.Namespace) -> int:
 def _check_config(arguments: argparse.Namespace) -> int:
     from gateway.access.posture import posture_of
     from gateway.access_files import read_access
-    from gateway.config.settings import load, reference
+    from gateway.config.reference import reference
+    from gateway.config.settings import load
 
     if arguments.keys:
         print(reference(), end="")

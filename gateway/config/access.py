@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The configuration of who may connect, and do what."""
+"""Settings of access: tokens, roles, the audit log, and TLS."""
 
 from typing import Annotated, Final, Literal
 
@@ -7,9 +7,9 @@ from pydantic import Field, StringConstraints
 
 from gateway.config.section import Section
 
-Role = Literal["viewer", "operator", "admin"]  # each may more than the one before, by default
+Role = Literal["viewer", "operator", "admin"]  # by default each may do more than the one before
 ROLES: Final[tuple[Role, ...]] = ("viewer", "operator", "admin")
-AnyRole = Role | Literal["page"]  # which nobody is given: a page of another local server has it
+AnyRole = Role | Literal["page"]  # pages of another local server have it; no token does
 
 # `**`, or a path of segments; within one, `*` stands for any characters
 Glob = Annotated[str, StringConstraints(pattern=r"^(\*\*|(/(\*\*|[A-Za-z0-9_*]+))+)$")]
@@ -26,32 +26,27 @@ FileName = Annotated[
     Field(json_schema_extra={"expected": "the name of a file"}),
 ]
 
+_SUBSCRIBE: Final = "Topics that the role may subscribe to. It sees these names in the graph."
+_PUBLISH: Final = "Topics that the role may publish. Services and actions that it may provide."
+_CALL: Final = "Services that the role may call. Actions that it may send goals to."
+_NOT_CALL: Final = "Exceptions from `call`."
+
 
 class RoleConfig(Section):
-    """The names that a role may use, resolved ones: a deny beats every allow."""
+    """The role `admin`. By default it may do everything."""
 
-    subscribe: Globs = Field(
-        ("**",), description="topics it may subscribe to; it sees these names in the graph"
-    )
-    publish: Globs = Field(
-        ("**",), description="topics it may publish, services and actions it may provide"
-    )
-    call: Globs = Field(
-        ("**",),
-        description="services it may call, actions it may send goals to; parameters of a node are"
-        " services, such as `/base/set_parameters`",
-    )
-    deny_subscribe: Globs = Field((), description="exceptions from `subscribe`")
-    deny_publish: Globs = Field((), description="exceptions from `publish`")
-    deny_call: Globs = Field((), description="exceptions from `call`")
+    subscribe: Globs = Field(("**",), description=_SUBSCRIBE)
+    publish: Globs = Field(("**",), description=_PUBLISH)
+    call: Globs = Field(("**",), description=_CALL)
+    deny_subscribe: Globs = Field((), description="Exceptions from `subscribe`.")
+    deny_publish: Globs = Field((), description="Exceptions from `publish`.")
+    deny_call: Globs = Field((), description=_NOT_CALL)
 
 
 class ViewerConfig(RoleConfig):
-    """By default it sees everything and changes nothing."""
+    """The role `viewer`. By default it sees everything and changes nothing."""
 
-    publish: Globs = Field(
-        (), description="topics it may publish, services and actions it may provide"
-    )
+    publish: Globs = Field((), description=_PUBLISH)
     call: Globs = Field(
         (
             "/rosapi/**",
@@ -59,61 +54,62 @@ class ViewerConfig(RoleConfig):
             "/**/get_parameters",
             "/**/describe_parameters",
         ),
-        description="services it may call, actions it may send goals to; parameters of a node are"
-        " services, such as `/base/set_parameters`",
+        description=_CALL,
     )
 
 
 class OperatorConfig(RoleConfig):
-    """By default it does everything but change parameters, where the robot's own limits are."""
+    """The role `operator`. By default it may do everything except set parameters."""
 
     deny_call: Globs = Field(
-        ("/**/set_parameters", "/**/set_parameters_atomically"),
-        description="exceptions from `call`",
+        ("/**/set_parameters", "/**/set_parameters_atomically"), description=_NOT_CALL
     )
 
 
 class PageConfig(RoleConfig):
-    """By default it watches and calls, but drives nothing and changes no parameters."""
+    """The role of web pages of other servers on this machine.
 
-    publish: Globs = Field(
-        (), description="topics it may publish, services and actions it may provide"
-    )
+    By default these pages may watch and call services. They may not drive, send goals, or set
+    parameters.
+    """
+
+    publish: Globs = Field((), description=_PUBLISH)
     deny_call: Globs = Field(
         ("/**/_action/send_goal", "/**/set_parameters", "/**/set_parameters_atomically"),
-        description="exceptions from `call`; `/**/_action/send_goal` are all goals",
+        description="Exceptions from `call`. `/**/_action/send_goal` covers all goals.",
     )
 
 
 class AccessConfig(Section):
-    """The rules of who may connect, and do what."""
+    """Tokens, and the permissions of each role."""
 
     authentication: Literal["auto", "token", "none"] = Field(
         "auto",
-        description="whether clients need a token; `auto`: unless only this machine can connect",
+        description="`auto`: clients need a token if other machines can connect."
+        " `token`: always. `none`: never.",
     )
     anonymous_role: Role | None = Field(
         None,
-        description="the role of clients without a token, where none is needed; unset, `admin` if"
-        " only this machine can connect, else `viewer`",
+        description="Role of clients that need no token. Unset: `admin` if only this machine can"
+        " connect, otherwise `viewer`.",
     )
     token_file: FileName | None = Field(
         None,
-        description="the file with the hashes of the tokens; unset, `ros2-gateway/tokens.json`"
-        " below XDG_CONFIG_HOME or ~/.config",
+        description="File with the hashes of the tokens. Unset: `ros2-gateway/tokens.json` in"
+        " `XDG_CONFIG_HOME` or `~/.config`.",
     )
     max_unauthenticated: Annotated[int, Field(ge=1)] = Field(
         16,
-        description="connections at once that have yet to send their token; one more takes the"
-        " place of the oldest of the address that has most of them",
+        description="Maximum number of connections that have not sent their token. A further one"
+        " replaces the oldest of the address that has most.",
     )
     auth_timeout_s: Annotated[float, Field(gt=0, le=3600, allow_inf_nan=False)] = Field(
-        5, description="seconds a client may take to send its token; then close code 4401"
+        5, description="Time for a client to send its token. Then it gets close code 4401."
     )
     unauthenticated_message_bytes: Annotated[int, Field(ge=1024, le=1024**2)] = Field(
         4096,
-        description="bytes of the largest frame a client may send before its token is known; a"
-        " larger one ends its connection with code 1009",
+        description="Maximum size of a frame before the token is known. A larger frame ends the"
+        " connection with code 1009.",
     )
     viewer: ViewerConfig = ViewerConfig()
     page: PageConfig = PageConfig()
@@ -127,31 +123,33 @@ class AccessConfig(Section):
 
 
 class AuditConfig(Section):
-    """The record of who connected, was refused, took control, and of every stop."""
+    """The record of connections, refusals, changes of control, and stops."""
 
     file: FileName | None = Field(
-        None, description="the file that gets a JSON line for each event; unset, the log alone"
+        None,
+        description="File that gets one JSON line for each event. Unset: events are only in the"
+        " log.",
     )
     max_bytes: Annotated[int, Field(ge=64 * 1024)] = Field(
         10 * 1024**2,
-        description="bytes of that file, some 60,000 events; then it becomes FILE.1, in place of"
-        " the one before",
+        description="Maximum size of the file, about 60,000 events. The full file is renamed to"
+        " FILE.1 and replaces the older one.",
     )
 
 
 class TlsConfig(Section):
-    """Encryption, by a certificate."""
+    """Encryption with a certificate."""
 
     cert: FileName | None = Field(
         None,
-        description="the certificate and those that vouch for it, in PEM;"
-        " then wss:// only, unless TLS has a port of its own",
+        description="Certificate chain in PEM. Clients then need `wss://`, except if `tls.port` is"
+        " set.",
     )
     key: FileName | None = Field(
-        None, description="its private key, in PEM; unset, it is in the file of the certificate"
+        None, description="Private key in PEM. Unset: the file of the certificate has the key."
     )
     port: Annotated[int, Field(ge=0, le=65535)] | None = Field(
         None,
-        description="TCP port with TLS beside the plain one, 0 for any free one; without a"
-        " certificate this machine signs one itself",
+        description="TCP port with TLS, next to the plain one. 0 selects a free port. Without a"
+        " certificate, this machine signs its own.",
     )

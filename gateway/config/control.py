@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Moving a robot: the command topics and their rules, set by the operator."""
+"""Settings of the command topics, which move a robot."""
 
 from typing import Annotated, Literal
 
@@ -18,28 +18,29 @@ Speed = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)]
 
 
 class ControlConfig(Section):
-    """Commands to a robot, and the stops that protect it."""
+    """The rules for commands that move the robot."""
 
     topics: CommandTopics = Field(
         ("/cmd_vel",),
-        description="topics of `geometry_msgs/msg/Twist` or `TwistStamped` that move a robot:"
-        " deadline, stop, lease and the other rules of docs/explanation/safety.md hold for these",
+        description="Topics of `geometry_msgs/msg/Twist` or `TwistStamped` that move a robot. The"
+        " safety rules apply to these topics.",
     )
     deadline_s: Annotated[float, Field(ge=0.1, le=2, allow_inf_nan=False)] = Field(
         0.5,
-        description="seconds after the last command until the robot is stopped",
+        description="Command timeout. If no command arrives for this time, the gateway stops the"
+        " robot.",
     )
     lease_s: Annotated[float, Field(ge=2, le=60, allow_inf_nan=False)] = Field(
-        2, description="seconds of silence after which another client may drive"
+        2, description="Time without commands after which another client can take control."
     )
     first_command: Literal["any", "zero"] = Field(
         "any",
-        description="what a client that drives must send first: with `zero`, nothing moves until"
-        " its client has sent a command to stop; plain rosbridge clients do not know that",
+        description="`zero`: nothing moves until the client has sent a zero command. Plain"
+        " rosbridge clients do not send one.",
     )
     max_linear_m_s: Speed = Field(
-        10, description="m/s that a command may ask for; a faster one is clamped, not refused"
+        10, description="Maximum speed of a command in m/s. The gateway reduces a faster one."
     )
     max_angular_rad_s: Speed = Field(
-        10, description="rad/s that a command may ask for; a faster one is clamped, not refused"
+        10, description="Maximum speed of a command in rad/s. The gateway reduces a faster one."
     )

@@ -4,10 +4,10 @@
 import re
 from typing import Final
 
-MAX_DOMAIN_ID: Final = 232  # DDS maps domains to UDP ports, and those of 233 do not exist
+MAX_DOMAIN_ID: Final = 232  # the UDP ports of domain 233 would be beyond 65535
 DOMAIN_ID_EXPECTATION: Final = f"an integer from 0 to {MAX_DOMAIN_ID}"
 
 
 def is_domain_id(text: str) -> bool:
-    """Return whether the text of a flag or a variable names a domain."""
+    """Return whether a text is the number of a domain."""
     return bool(re.fullmatch("[0-9]{1,3}", text)) and int(text) <= MAX_DOMAIN_ID

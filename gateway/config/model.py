@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The configuration: one frozen model, each field with its unit, its reason and its bounds.
+"""The configuration: one frozen model with a description and bounds for each field.
 
 `gateway.config.settings` reads the values.
 """
@@ -20,13 +20,13 @@ def network(text: str) -> str:
     """Return an address or a network of addresses as it was given.
 
     Raises:
-        ValueError: it is neither.
+        ValueError: the text is neither.
     """
     ipaddress.ip_network(text)
     return text
 
 
-# the gateway answers these itself, so no WebSocket can begin there
+# the gateway answers these itself, so the WebSocket cannot use them
 TAKEN_PATHS: Final = (
     *("/healthz", "/healthz/live", "/healthz/ready", "/metrics", "/version"),
     *("/stream", "/stream_viewer", "/snapshot"),
@@ -37,14 +37,14 @@ def free_path(text: str) -> str:
     """Return a path as it was given.
 
     Raises:
-        ValueError: it is one of `TAKEN_PATHS`.
+        ValueError: the path is one of `TAKEN_PATHS`.
     """
     if text in TAKEN_PATHS:
-        raise ValueError("the gateway has something else there")
+        raise ValueError("the gateway uses this path itself")
     return text
 
 
-_NAME_PART: Final = "[A-Za-z_][A-Za-z0-9_]*"  # rcl: a token of a name begins with no digit
+_NAME_PART: Final = "[A-Za-z_][A-Za-z0-9_]*"  # in rcl, a part of a name cannot begin with a digit
 
 Host = Annotated[
     str,
@@ -56,9 +56,7 @@ UrlPath = Annotated[
     StringConstraints(pattern=r"^/[0-9A-Za-z._~/-]*$"),
     AfterValidator(free_path),
     Field(
-        json_schema_extra={
-            "expected": f"a path such as / or /ros, and none of {', '.join(TAKEN_PATHS)}"
-        }
+        json_schema_extra={"expected": f"a path such as / or /ros, except {', '.join(TAKEN_PATHS)}"}
     ),
 ]
 Origin = Annotated[str, StringConstraints(pattern=r"^(\*|null|[a-z][a-z0-9+.-]*://[^\s/,]+)$")]
@@ -78,9 +76,7 @@ Networks = Annotated[
 RosToken = Annotated[
     str,
     StringConstraints(pattern=rf"^{_NAME_PART}$", max_length=100),
-    Field(
-        json_schema_extra={"expected": "letters, digits and underscores, beginning with no digit"}
-    ),
+    Field(json_schema_extra={"expected": "letters, digits, and underscores; not a digit first"}),
 ]
 RosNamespace = Annotated[
     str,
@@ -93,111 +89,106 @@ class LogConfig(Section):
     """The log on standard error."""
 
     level: Literal["debug", "info", "warning", "error"] = Field(
-        "info", description="the least severe record that is written"
+        "info", description="Least severe level in the log."
     )
     format: Literal["text", "json"] = Field(
-        "text", description="text for people, or one JSON object a line for log collectors"
+        "text", description="`text` for people, `json` for log collectors (one object per line)."
     )
 
 
 class RosConfig(Section):
-    """The gateway as seen from ROS."""
+    """The gateway's nodes in the ROS graph."""
 
     node_prefix: RosToken = Field(
-        "ros2_gateway", description="what the names of the gateway's nodes begin with"
+        "ros2_gateway", description="First part of the names of the gateway's nodes."
     )
     namespace: RosNamespace = Field(
         "/",
-        description="the namespace of the gateway's nodes, and of the robot of `ros2-gateway demo`;"
-        " topics of clients do not move",
+        description="Namespace of the gateway's nodes, and of the robot of `ros2-gateway"
+        " demo`. It does not change topics of clients.",
     )
     domain_id: Annotated[int, Field(ge=0, le=MAX_DOMAIN_ID)] | None = Field(
-        None, description="the DDS domain; unset, the environment's ROS_DOMAIN_ID decides"
+        None, description="DDS domain. Unset: `ROS_DOMAIN_ID` decides."
     )
     use_sim_time: bool = Field(
-        False, description="whether ROS time comes from `/clock` (a simulator, a replayed bag)"
+        False, description="Take ROS time from `/clock`, for a simulator or a replayed bag."
     )
     diagnostics: bool = Field(
-        True, description="whether the gateway reports on itself on `/diagnostics`, once a second"
+        True, description="Publish the gateway's own state on `/diagnostics` once a second."
     )
 
 
 class ImagesConfig(Section):
-    """The pictures that clients get of images."""
+    """Images for clients."""
 
     default_format: Literal["jpeg", "png", "raw"] = Field(
         "jpeg",
-        description="the format of images for who asks for none; `raw` is the plain message, for"
-        " clients of rosbridge that read `encoding`, `step` and `data`",
+        description="Format of images for clients that ask for none. `raw` is the plain"
+        " message, as with rosbridge.",
     )
     workers: Annotated[int, Field(ge=1, le=64)] = Field(
         2,
-        description="threads that encode and decode, beside the event loop; OpenCV lets them run in"
-        " parallel",
+        description="Number of threads that encode and decode images.",
     )
 
 
 class TypesConfig(Section):
-    """The types of messages beside those of installed packages."""
+    """Message types that are not installed on the gateway's machine."""
 
     paths: tuple[str, ...] = Field(
         (),
-        description="folders with definitions of packages that are not installed here, such as a"
-        " workspace's `src` or `install`; topics, services and actions of their types can be"
-        " used all the same",
-        json_schema_extra={"expected": "folders such as ~/ws/src"},
+        description="Directories with definitions of packages that are not installed, such"
+        " as the `src` of a workspace.",
+        json_schema_extra={"expected": "directories such as ~/ws/src"},
     )
     ask_nodes: bool = Field(
         True,
-        description="whether to ask the robot's nodes for the definitions of types that are not"
-        " installed here",
+        description="Ask the robot's nodes for the definitions of types that are not installed.",
     )
 
 
 class Config(Section):
-    """The whole configuration; with the defaults the gateway serves this machine alone."""
+    """The address, the port, and the web pages that may connect.
+
+    The sections below are tables of the file. With the defaults, only this machine can connect.
+    """
 
     host: Host = Field(
         "127.0.0.1",
-        description="the address to listen on; unless set, this machine alone can connect, to"
-        " `127.0.0.1` and `::1`; any address that other machines reach asks for tokens, as `lan`"
-        " does",
+        description="Address to listen on. By default only this machine can connect."
+        " Clients need a token if other machines can reach the address.",
     )
     lan: bool = Field(
         False,
-        description="whether to listen on all networks, IPv4 and IPv6; then clients need a token",
+        description="Listen on all networks, IPv4 and IPv6. Clients then need a token.",
     )
     port: Annotated[int, Field(ge=0, le=65535)] = Field(
-        9090, description="the TCP port, by default rosbridge's; 0 for any free one"
+        9090, description="TCP port. The default is the port of rosbridge. 0 selects a free port."
     )
-    path: UrlPath = Field("/", description="the path of the WebSocket")
+    path: UrlPath = Field("/", description="Path of the WebSocket.")
     allowed_origins: Origins = Field(
         (),
-        description="origins of web pages that may connect as a program may, in addition to the"
-        " gateway's own pages; `null` allows pages on disk, and with them a page of any web site in"
-        " a sandboxed frame; `*` allows all. Pages of other servers on this machine may watch and"
-        " call without it (role `page`), if only this machine can connect",
+        description="Origins of web pages that may connect, in addition to the gateway's"
+        " own pages. `*` allows all pages.",
     )
     trusted_proxies: Networks = Field(
         (),
-        description="addresses or networks of reverse proxies whose `Forwarded` or"
-        " `X-Forwarded-For` header is believed: then limits per address count the clients'"
-        " own addresses",
+        description="Reverse proxies whose `Forwarded` or `X-Forwarded-For` header is"
+        " trusted. Limits per address then use the clients' own addresses.",
     )
     allowed_hosts: HostNames = Field(
         (),
-        description="names under which the gateway is reached, beside addresses, `localhost` and"
-        " this machine's own name; `*` allows all",
+        description="Names of this gateway, in addition to addresses, `localhost`, and this"
+        " machine's name. `*` allows all names.",
     )
     discoverable: bool = Field(
         True,
-        description="whether clients find this gateway on their network without its address, if it"
-        " listens on all of them; `ros2-gateway find` is such a client",
+        description="Answer clients that search for gateways, such as `ros2-gateway find`."
+        " Needs a gateway that listens on all networks.",
     )
     qr: bool = Field(
         True,
-        description="whether a terminal shows the address as a QR code, if other machines can"
-        " connect",
+        description="Show the address as a QR code in the terminal, if other machines can connect.",
     )
     access: AccessConfig = AccessConfig()
     audit: AuditConfig = AuditConfig()

@@ -193,25 +193,13 @@ def to_toml(loaded: Loaded) -> str:
         table, _, name = setting.key.rpartition(".")
         value = _value_at(loaded.config, setting.key)
         # TOML has no null: an unset key is shown as a comment
-        assignment = f"# {name} =" if value is None else f"{name} = {_toml_value(value)}"
+        assignment = f"# {name} =" if value is None else f"{name} = {toml_value(value)}"
         line = f"{assignment}  # {loaded.origins[setting.key]}"
         tables.setdefault(table, []).append(line)
     parts = [
         "\n".join([f"[{table}]", *lines] if table else lines) for table, lines in tables.items()
     ]
     return "\n\n".join(parts) + "\n"
-
-
-def reference() -> str:
-    """Write a Markdown table of all settings: key, default, values, meaning."""
-    rows = ["| key | default | values | meaning |", "|---|---|---|---|"]
-    for setting in settings():
-        default = setting.field.default
-        shown = "unset" if default is None else f"`{_toml_value(default)}`"
-        rows.append(
-            f"| `{setting.key}` | {shown} | {setting.expectation} | {setting.description} |"
-        )
-    return "\n".join(rows) + "\n"
 
 
 def _from_file(path: Path, known: Mapping[str, Setting], problems: list[str]) -> Sequence[Given]:
@@ -291,7 +279,8 @@ def _value_at(config: Config, key: str) -> object:
     return value
 
 
-def _toml_value(value: object) -> str:
+def toml_value(value: object) -> str:
+    """Write a value as TOML."""
     # JSON and TOML write booleans, numbers and printable text alike
     return json.dumps(value, ensure_ascii=False)
 
