@@ -3,5 +3,5 @@
 
 Pure computation: a `State` comes in, text or a diagnosis comes out. The only importer of
 prometheus_client. The map is docs/contributing/architecture.md.
-docs/reference/observability.md lists the metrics.
+docs/reference/metrics.md lists the metrics.
 """

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The metric families: their names, and where their values are in a `State`.
 
-Labels have few values: topics and clients that are there, and closed sets of words. Names are
-part of what users rely on; docs/reference/observability.md lists them all.
+Labels have few values: open topics and clients, and closed sets of words. Users rely on the names.
+docs/reference/metrics.md lists them with their texts.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -18,7 +18,7 @@ TimeRows = Iterable[tuple[tuple[str, ...], Observed]]
 
 
 class Family(NamedTuple):
-    """Values of one kind; a counter's samples are named with ``_total``."""
+    """Values of one kind. In Prometheus' format the name of a counter ends with ``_total``."""
 
     name: str
     kind: Literal["counter", "gauge"]
@@ -75,12 +75,12 @@ def _deliveries(
     """Return the families of one count, per client and topic, and per topic."""
     return (
         Family(
-            f"client_{name}", kind, f"{text}, of one client.", _of_deliveries(value), _CLIENT_TOPIC
+            f"client_{name}", kind, f"{text}, for one client.", _of_deliveries(value), _CLIENT_TOPIC
         ),
         Family(
             f"topic_{name}",
             kind,
-            f"{text}, of all clients.",
+            f"{text}, for all clients.",
             _of_topics(lambda topic: value(topic.delivery)),
             _TOPIC,
         ),
@@ -95,25 +95,33 @@ FAMILIES: Final[tuple[Family, ...]] = (
     Family(
         "info",
         "gauge",
-        "The version of the gateway.",
+        "Version of the gateway.",
         lambda state: [((state.summary.version,), 1)],
         ("version",),
     ),
-    Family("uptime_seconds", "gauge", "Time since start.", _one(lambda state: state.uptime_s)),
-    Family("clients", "gauge", "Open sessions.", _one(lambda state: len(state.clients))),
+    Family("uptime_seconds", "gauge", "Time since the start.", _one(lambda state: state.uptime_s)),
     Family(
-        "clients_limit", "gauge", "As many as may be open.", _one(lambda state: state.max_clients)
+        "clients",
+        "gauge",
+        "Connected clients, with or without a token yet.",
+        _one(lambda state: len(state.clients)),
+    ),
+    Family(
+        "clients_limit",
+        "gauge",
+        "Maximum number of clients.",
+        _one(lambda state: state.max_clients),
     ),
     Family(
         "clients_unauthenticated",
         "gauge",
-        "Clients that have yet to send their token.",
+        "Clients that have not sent their token.",
         _one(lambda state: state.unauthenticated),
     ),
     Family(
         "connections",
         "gauge",
-        "Sockets, also those during the handshake or a page.",
+        "Open sockets, including handshakes and HTTP requests.",
         _one(lambda state: state.connections),
     ),
     Family("tasks", "gauge", "Tasks of the event loop.", _one(lambda state: state.tasks)),
@@ -126,13 +134,13 @@ FAMILIES: Final[tuple[Family, ...]] = (
     Family(
         "ros_entities_limit",
         "gauge",
-        "As many as may be open.",
+        "Maximum number of ROS entities.",
         _one(lambda state: state.max_ros_entities),
     ),
     Family(
         "open",
         "gauge",
-        "What clients have open, by kind.",
+        "Open subscriptions, publishers, calls, goals, and others of clients, by kind.",
         lambda state: (
             ((kind,), count)
             for kind, count in state.summary.entities.items()
@@ -140,21 +148,28 @@ FAMILIES: Final[tuple[Family, ...]] = (
         ),
         ("kind",),
     ),
-    Family("sessions", "counter", "Sessions opened.", _one(lambda state: state.sessions)),
     Family(
-        "operations", "counter", "Messages of clients.", _one(lambda state: state.totals.operations)
+        "sessions",
+        "counter",
+        "Clients that connected since the start.",
+        _one(lambda state: state.sessions),
+    ),
+    Family(
+        "operations",
+        "counter",
+        "Operations that clients sent.",
+        _one(lambda state: state.totals.operations),
     ),
     Family(
         "operations_refused",
         "counter",
-        "Operations answered with an error.",
+        "Operations that were answered with an error.",
         _one(lambda state: state.totals.refused),
     ),
     Family(
         "operations_replaced",
         "counter",
-        "Messages to publish that a newer one replaced, as the client was behind,"
-        " or a picture was being decoded.",
+        "Published messages that a newer one replaced before they reached ROS.",
         _one(lambda state: state.totals.replaced),
     ),
     Family(
@@ -163,130 +178,130 @@ FAMILIES: Final[tuple[Family, ...]] = (
     Family(
         "operations_seconds",
         "counter",
-        "Time of the event loop for what clients sent.",
+        "Time of the event loop for operations of clients.",
         _one(lambda state: state.time_s),
     ),
     Family(
         "reading_pauses",
         "counter",
-        "Pauses in reading from clients whose time budget was spent.",
+        "Pauses in reading from clients that used up their time share.",
         _one(lambda state: state.pauses),
     ),
     Family(
         "event_loop_lag_max_seconds",
         "gauge",
-        "Largest lag of the event loop within the last ten seconds.",
+        "Largest lag of the event loop in the last 10 s.",
         _one(lambda state: state.max_lag_s),
     ),
     Family(
         "handshakes_refused",
         "counter",
-        "Requests that did not become a client.",
+        "Connections that did not become a client, by reason.",
         lambda state: (((each,), n) for each, n in state.summary.handshakes_refused.items()),
         ("reason",),
     ),
     Family(
         "authentication_failures",
         "counter",
-        "Tokens that were wrong, or did not come in time.",
+        "Tokens that were wrong or late, by reason.",
         lambda state: (((each,), n) for each, n in state.summary.authentication_failures.items()),
         ("reason",),
     ),
     Family(
         "connections_ended",
         "counter",
-        "Ends of connections, by who ended them, why, and the code.",
+        "Ended connections, by who ended them, reason, and code.",
         lambda state: state.summary.ends.items(),
         ("by", "reason", "code"),
     ),
     Family(
         "client_operations",
         "counter",
-        "Messages of a client.",
+        "Operations that the client sent.",
         _of_clients(lambda client: client.counts.operations),
         _CLIENT,
     ),
     Family(
         "client_operations_refused",
         "counter",
-        "Operations of a client answered with an error.",
+        "Operations of the client that were answered with an error.",
         _of_clients(lambda client: client.counts.refused),
         _CLIENT,
     ),
     Family(
         "client_frames_sent",
         "counter",
-        "Frames sent to a client, answers included.",
+        "Frames sent to the client, including answers.",
         _of_clients(lambda client: client.counts.frames),
         _CLIENT,
     ),
     Family(
         "client_link_bytes_per_second",
         "gauge",
-        "Rate of the link to a client, once it was too slow for what the client gets.",
+        "Speed of the connection. Measured only after it was too slow for the client's data.",
         _of_clients_known(lambda client: client.link_bytes_per_s),
         _CLIENT,
     ),
     Family(
         "client_round_trip_seconds",
         "gauge",
-        "Time from the newest WebSocket ping that a client has answered to its answer.",
+        "Round-trip time of the latest WebSocket ping that the client answered.",
         _of_clients_known(lambda client: client.round_trip_s),
         _CLIENT,
     ),
     Family(
         "client_operations_seconds",
         "counter",
-        "Time of the event loop for what a client sent.",
+        "Time of the event loop for operations of the client.",
         _of_clients(lambda client: client.time_s),
         _CLIENT,
     ),
     Family(
         "client_reading_pauses",
         "counter",
-        "Pauses in reading from a client.",
+        "Pauses in reading from the client.",
         _of_clients(lambda client: client.pauses),
         _CLIENT,
     ),
     Family(
         "address_operations_seconds",
         "counter",
-        "Time of the event loop for all clients of an address.",
+        "Time of the event loop for operations of all clients of the address.",
         lambda state: (((each.address,), each.time_s) for each in state.summary.addresses),
         ("address",),
     ),
     Family(
         "address_reading_pauses",
         "counter",
-        "Pauses in reading from the clients of an address.",
+        "Pauses in reading from the clients of the address.",
         lambda state: (((each.address,), each.pauses) for each in state.summary.addresses),
         ("address",),
     ),
     Family(
         "topic_received",
         "counter",
-        "Samples from ROS.",
+        "Messages received from ROS.",
         _of_topics(lambda topic: topic.received),
         _TOPIC,
     ),
     Family(
         "topic_received_bytes",
         "counter",
-        "Bytes of samples from ROS, in CDR.",
+        "Bytes received from ROS, as CDR.",
         _of_topics(lambda topic: topic.received_bytes),
         _TOPIC,
     ),
     Family(
         "topic_lost",
         "counter",
-        "Samples that were published and never came.",
+        "Messages that nodes published but the gateway did not get.",
         _of_topics(lambda topic: topic.lost),
         _TOPIC,
     ),
     Family(
         "topic_clients",
         "gauge",
-        "Clients that subscribe.",
+        "Clients that subscribe to the topic.",
         _of_topics(lambda topic: topic.clients),
         _TOPIC,
     ),
@@ -300,14 +315,14 @@ FAMILIES: Final[tuple[Family, ...]] = (
     Family(
         "topic_published_bytes",
         "counter",
-        "Bytes that clients published, in CDR.",
+        "Bytes that clients published, as CDR.",
         _of_topics(lambda topic: topic.published_bytes),
         _TOPIC,
     ),
     Family(
         "client_published",
         "counter",
-        "Messages that a client published.",
+        "Messages that the client published.",
         lambda state: (
             ((each.client, each.topic), each.messages) for each in state.traffic.publications
         ),
@@ -316,16 +331,16 @@ FAMILIES: Final[tuple[Family, ...]] = (
     Family(
         "client_published_bytes",
         "counter",
-        "Bytes that a client published, in CDR.",
+        "Bytes that the client published, as CDR.",
         lambda state: (
             ((each.client, each.topic), each.size) for each in state.traffic.publications
         ),
         _CLIENT_TOPIC,
     ),
     *_deliveries(
-        "messages_received", "counter", "Samples offered to subscriptions", lambda d: d.offered
+        "messages_received", "counter", "Messages offered to subscriptions", lambda d: d.offered
     ),
-    *_deliveries("messages_sent", "counter", "Samples written to sockets", lambda d: d.sent),
+    *_deliveries("messages_sent", "counter", "Messages written to sockets", lambda d: d.sent),
     *_deliveries(
         "messages_sent_bytes",
         "counter",
@@ -335,19 +350,19 @@ FAMILIES: Final[tuple[Family, ...]] = (
     *_deliveries(
         "messages_coalesced",
         "counter",
-        "Samples that a throttle replaced by newer ones",
+        "Messages that a throttle replaced with newer ones",
         lambda d: d.coalesced,
     ),
     *_deliveries(
         "messages_dropped",
         "counter",
-        "Samples that a full queue, an error or the end of the subscription discarded",
+        "Messages dropped by a full queue, an error, or the end of a subscription",
         lambda d: d.dropped,
     ),
     *_deliveries(
         "messages_pending",
         "gauge",
-        "Samples that wait in queues and throttles",
+        "Messages that wait in queues and throttles",
         lambda d: d.pending,
     ),
     Family(
@@ -359,13 +374,13 @@ FAMILIES: Final[tuple[Family, ...]] = (
     Family(
         "guard_losses",
         "counter",
-        "How often a guard process was lost.",
+        "Losses of the guard process.",
         _one(lambda state: state.control.guard_losses),
     ),
     Family(
         "drive_moving",
         "gauge",
-        "1 while commands move the robot, or a stop is being sent.",
+        "1 while commands move the robot or a stop is being sent.",
         lambda state: (
             ((each.topic,), each.motion != "stopped") for each in state.summary.control.drives
         ),
@@ -374,14 +389,14 @@ FAMILIES: Final[tuple[Family, ...]] = (
     Family(
         "drive_tripped",
         "gauge",
-        "1 while commands to move are refused until one of zero comes.",
+        "1 during a safety stop, which ends with a zero command.",
         lambda state: (((each.topic,), each.is_tripped) for each in state.summary.control.drives),
         _TOPIC,
     ),
     Family(
         "drive_held",
         "gauge",
-        "1 while a client has the lease.",
+        "1 while a client has control.",
         lambda state: (((each.topic,), each.is_leased) for each in state.summary.control.drives),
         _TOPIC,
     ),
@@ -395,7 +410,7 @@ FAMILIES: Final[tuple[Family, ...]] = (
     Family(
         "drive_stops",
         "counter",
-        "Stops, by their cause.",
+        "Stops, by cause.",
         lambda state: (
             ((each.topic, cause), count)
             for each in state.summary.control.drives
@@ -408,18 +423,18 @@ FAMILIES: Final[tuple[Family, ...]] = (
 TIME_FAMILIES: Final[tuple[TimeFamily, ...]] = (
     TimeFamily(
         "event_loop_lag_seconds",
-        "How late the event loop wakes up, four times a second.",
+        "Lag of the event loop, measured four times a second.",
         lambda state: [((), state.summary.lag)],
     ),
     TimeFamily(
         "topic_latency_seconds",
-        "From a sample's arrival from DDS until a frame of it was handed to a socket, of some.",
+        "Time from the arrival of a message to the write of its frame. Measured for some frames.",
         lambda state: (((each.topic,), each.latency) for each in state.traffic.topics),
         _TOPIC,
     ),
     TimeFamily(
         "client_latency_seconds",
-        "The same, of all topics of one client.",
+        "Time from the arrival of a message to the write of its frame, for one client.",
         lambda state: (((each.client,), each.latency) for each in state.summary.clients),
         _CLIENT,
     ),

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tools.reference_pages import BEGIN, END, PAGES, commands, main, updated
+from tools.reference_pages import BEGIN, END, PAGES, commands, main, metrics, updated
 
 ROOT = Path(__file__).parents[2]
 
@@ -21,6 +21,12 @@ def test_each_command_has_a_section_with_its_help():
     for name in ("serve", "check-config", "token", "find"):
         assert f"\n## {name}\n\n```text\nusage: ros2-gateway {name} " in text
     assert "\n### token create\n\n```text\nusage: ros2-gateway token create " in text
+
+
+def test_each_metric_has_its_name_for_prometheus_and_its_labels():
+    text = metrics()
+    assert "\n| `ros2_gateway_client_published_total` | `client`, `topic` | counter | " in text
+    assert "\n| `ros2_gateway_event_loop_lag_seconds` |  | histogram | " in text
 
 
 def test_only_the_part_between_the_markers_changes():
