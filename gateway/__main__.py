@@ -13,9 +13,9 @@ from gateway.cli.main import main
 def run() -> NoReturn:
     """Run ``ros2-gateway``, and end the process at once when it is done.
 
-    By then everything is closed. The interpreter would free each object before it ends, and the
-    libraries below wait for threads of theirs: 0.5 s, and several on a busy machine, which is
-    longer than who sends SIGTERM may be willing to wait.
+    By then everything is closed. At its end the interpreter would free each object, and libraries
+    would wait for their threads. That takes 0.5 s, and several seconds on a busy machine. A service
+    manager that sends SIGTERM may not wait so long.
     """
     code = main()
     logging.shutdown()

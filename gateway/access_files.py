@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Access as it is configured, and the files that belong to it: read, and nothing is made.
+"""Read the access rules and their files.
 
-It is light: commands that look at a configuration need no server.
+This module is light, because commands that check a configuration need no server.
 """
 
 import os
@@ -20,7 +20,7 @@ from gateway.errors import ConfigError, system_reason
 
 
 def read_access(config: Config) -> tuple[Posture, ssl.SSLContext | None, Authentication]:
-    """Read what the configuration says and names; nothing is made.
+    """Read the access rules, and the files that they name. Write nothing.
 
     Raises:
         ConfigError: the configuration contradicts itself, or a file that it names is unusable.
@@ -44,7 +44,7 @@ def read_tokens(path: Path) -> Tokens:
     """Read the token file.
 
     Raises:
-        ConfigError: it is unusable.
+        ConfigError: the file is unusable.
     """
     try:
         return token_file.read(path)
@@ -53,16 +53,16 @@ def read_tokens(path: Path) -> Tokens:
 
 
 def tls_context(config: TlsConfig) -> ssl.SSLContext | None:
-    """Return the context of a certificate; ``None`` if none is configured.
+    """Return the context of a certificate, or ``None`` if none is configured.
 
     Raises:
         ConfigError: the certificate or the key cannot be used.
     """
     if config.cert is None:
         if config.key is not None:
-            raise ConfigError("tls.key: of no use without tls.cert")
+            raise ConfigError("tls.key: needs tls.cert, which is missing: set both")
         if config.port is not None:
-            raise ConfigError("tls.port: needs tls.cert here")
+            raise ConfigError("tls.port: needs tls.cert here, which is missing: set both")
         return None
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
@@ -83,7 +83,7 @@ def load_certificate(context: ssl.SSLContext, config: TlsConfig) -> None:
     """
     assert config.cert is not None  # noqa: S101  # the callers have checked
     try:
-        # a password, so that an encrypted key is an error and not a question on the terminal
+        # with a password, an encrypted key is an error and not a question on the terminal
         context.load_cert_chain(config.cert, config.key, password="")
     except ssl.SSLError as error:
         which = f"{config.cert}" if config.key is None else f"{config.cert} and {config.key}"

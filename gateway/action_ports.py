@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Actions in the router's interface to ROS; see `gateway.ports`."""
+"""Actions in the router's interface to ROS. See `gateway.ports`."""
 
 from collections.abc import Callable
 from typing import Literal, NamedTuple, Protocol
@@ -30,14 +30,14 @@ class Goal(Protocol):
         """
 
     def cancel(self) -> None:
-        """Ask the server to cancel, without waiting; `result` reports whether it did."""
+        """Ask the server to cancel, without waiting. `result` reports whether it did."""
 
 
 class ActionClient(Protocol):
-    """A client of a ROS action; goals, feedback and results are CDR."""
+    """A client of a ROS action. Goals, feedback and results are CDR."""
 
     async def send_goal(self, goal: bytes, on_feedback: Callable[[bytes], None]) -> Goal | None:
-        """Wait for a server and send it a goal; return ``None`` if it rejects the goal.
+        """Wait for a server and send it a goal. Return ``None`` if it rejects the goal.
 
         *on_feedback* gets CDR of the action's Feedback until the result arrives. Any number of
         goals may be active. The caller sets the time limit. Cancelling this gives the goal up: if
@@ -48,11 +48,11 @@ class ActionClient(Protocol):
         """
 
     def close(self) -> None:
-        """Destroy it; accepted goals continue. Closing twice is harmless.
+        """Destroy it. Accepted goals continue. Closing twice is harmless.
 
-        Everything that waits for it fails, and no callback follows. While the server may still
-        accept a goal that was given up, or has not answered a cancel, the client waits for it, for
-        a bounded time, and counts as open.
+        Everything that waits for it fails, and no callback follows. The client waits for a
+        limited time if the server may still accept an abandoned goal, or has not answered a cancel.
+        Until then it counts as open.
         """
 
 
@@ -75,12 +75,12 @@ class GoalRequest(Protocol):
         """
 
     def finish(self, status: GoalOutcome, result: bytes) -> None:
-        """End the goal; *result* is CDR of the action's Result.
+        """End the goal. *result* is CDR of the action's Result.
 
-        A goal can end as canceled only while it is being canceled; otherwise it counts as aborted.
+        A goal can end as canceled only while it is being canceled. Otherwise it counts as aborted.
 
         Raises:
-            RosError: ``internal``: *result* is not CDR of the type; the goal continues.
+            RosError: ``internal``: *result* is not CDR of the type. The goal continues.
         """
 
 
@@ -88,7 +88,7 @@ class ActionServer(Protocol):
     """A ROS action that the gateway provides."""
 
     def close(self) -> None:
-        """Withdraw it; unfinished goals are aborted, and no callback follows.
+        """Withdraw it. Unfinished goals are aborted, and no callback follows.
 
         Requests of callers that have not yet discovered the end are answered, goals by a
         rejection. Closing twice is harmless.

@@ -63,7 +63,7 @@ class Listening:
     tokens: Path
     new_token: str | None
     certificate: str | None
-    tls_port: int | None = None  # if TLS has one of its own
+    tls_port: int | None = None  # if TLS has a separate port
     token_in: Path | None = None  # the file with the new token, if it is not to be shown
 
     @property
@@ -88,18 +88,18 @@ def run(
     streams: Sequence[int] = STANDARD_STREAMS,
     was_interrupted: Callable[[], bool] = lambda: False,
 ) -> int:
-    """Serve until one of the `ENDING` signals; return the exit code.
+    """Serve until one of the `ENDING` signals. Return the exit code.
 
-    Once clients can connect, *announce* gets what people need for it; what it returns is called
-    once they can drive. On SIGHUP, *load* returns the
-    configuration anew, and its tokens and permissions take effect; unless one of the descriptors
-    *streams* was a terminal that is closed now, which ends the gateway.
+    Once clients can connect, *announce* gets the addresses. It returns a function, which is called
+    once clients can drive. On SIGHUP, *load* returns the new configuration, whose tokens and
+    permissions take effect. If one of the descriptors *streams* was a terminal that is closed now,
+    SIGHUP ends the gateway instead.
 
     Raises:
-        KeyboardInterrupt: it *was_interrupted* before it took over the signals.
+        KeyboardInterrupt: the process *was_interrupted* before it handled signals itself.
         BindError: the address or port cannot be listened on.
         ConfigError: ROS refuses its part of the configuration.
-        RosMissingError: there is no rclpy.
+        RosMissingError: rclpy is missing.
     """
     with asyncio.Runner(loop_factory=_loop_factory()) as runner:
         return runner.run(_serve(config, announce, load, streams, was_interrupted))
@@ -220,7 +220,7 @@ def _discoverable(
 async def _open_ros(
     stack: AsyncExitStack, config: Config, definitions: InstalledDefinitions
 ) -> Ros:
-    # trying whether ROS takes such types costs a third of a second, in vain if all are installed
+    # a check whether ROS takes such types costs 0.3 s, and is useless if all are installed
     packages = definitions.packages_in_folders()
     makes_types = any(find_spec(package) is None for package in packages)
     try:
@@ -229,7 +229,7 @@ async def _open_ros(
     except RosError as error:
         text = str(error).strip()
         is_peer = "resolve peer" in text  # as Fast DDS says it
-        remedy = "; mend its name in ROS_STATIC_PEERS, or take it out" if is_peer else ""
+        remedy = ". Correct its name in ROS_STATIC_PEERS, or remove it" if is_peer else ""
         raise ConfigError(f"ROS: {text}{remedy}") from error
 
 
@@ -249,7 +249,7 @@ def _handle_signals(
     streams: Sequence[int],
     was_interrupted: Callable[[], bool],
 ) -> None:
-    """Set *stop* when the process shall end, and *hung_up* when it shall reload."""
+    """Set *stop* when the process must end, and *hung_up* when it must reload."""
     loop = asyncio.get_running_loop()
     for number in ENDING:
         loop.add_signal_handler(number, stop.set)
@@ -257,7 +257,7 @@ def _handle_signals(
     terminals = [] if is_kept else [number for number in streams if _is_terminal(number)]
 
     def hang_up() -> None:
-        # SIGHUP also means that the terminal was closed: then the gateway ends, as ever
+        # SIGHUP also means that the terminal was closed: then the gateway ends
         gone = any(not _is_terminal(number) for number in terminals)
         (stop if gone else hung_up).set()
 
@@ -277,7 +277,7 @@ def _is_terminal(descriptor: int) -> bool:
 async def _reload_whenever(
     hung_up: asyncio.Event, load: Callable[[], Config], security: Security, server: Server
 ) -> None:
-    """Reload tokens, permissions and certificate; what is wrong changes nothing."""
+    """Reload tokens, permissions, and certificate. After an error the old ones stay."""
     while True:
         await hung_up.wait()
         hung_up.clear()
@@ -285,7 +285,7 @@ async def _reload_whenever(
             # in a thread: files may be on a disk that hangs
             tokens, policy = await asyncio.to_thread(lambda: security.reload(load()))
         except ConfigError as error:
-            logger.error("not reloaded, all stays as it was: %s", "; ".join(error.problems))
+            logger.error("not reloaded, the old configuration stays: %s", "; ".join(error.problems))
             security.audit.record("reload", successful=False)
             continue
         server.reload(tokens, policy)
@@ -318,8 +318,8 @@ def _ros_options(config: Config) -> RosOptions:
 class _LoopErrors:
     """Reports what nobody awaits.
 
-    asyncio tries a hundred times a second to accept a client while no descriptor is left, and
-    once more a second later, even if its server was closed meanwhile: a ValueError then.
+    While no descriptor is left, asyncio tries a hundred times a second to accept a client. It tries
+    once more a second later, and raises ValueError if its server was closed.
     """
 
     def __init__(self) -> None:
@@ -340,7 +340,7 @@ class _LoopErrors:
 def _forced_end() -> Iterator[Callable[[], None]]:
     """Lend a function that ends the process after `SHUTDOWN_S`, unless this context ends before.
 
-    Whoever sends SIGTERM sends SIGKILL if nothing happens, and a library may wait for long.
+    A service manager that sends SIGTERM sends SIGKILL later, and a library may wait for long.
     """
 
     def end() -> None:
@@ -355,7 +355,7 @@ def _forced_end() -> Iterator[Callable[[], None]]:
 
 @contextmanager
 def _workers(count: int) -> Iterator[ThreadPoolExecutor]:
-    """Lend threads for pictures; at the end, running jobs finish and the others never start."""
+    """Lend threads for pictures. At the end, running jobs finish and the others never start."""
     workers = ThreadPoolExecutor(count, thread_name_prefix="picture")
     try:
         yield workers

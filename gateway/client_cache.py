@@ -10,7 +10,7 @@ from typing import Final, Generic, Protocol, TypeVar
 # DDS takes some tenths of a second until a server discovers a new client, so a caller once a second
 # must not pay that each time. Nor must an unused client stay visible in the graph for long.
 IDLE_S: Final = 5.0
-MAX_IDLE: Final = 128  # of 1280 ROS entities in all; a robot of Navigation 2 has some 70 nodes
+MAX_IDLE: Final = 128  # of 1280 ROS entities. A robot with Navigation 2 has about 70 nodes
 
 
 class Closable(Protocol):
@@ -42,7 +42,7 @@ class ClientCache(Generic[T]):
 
     @contextlib.contextmanager
     def use(self, key: Hashable, open_thing: Callable[[], T]) -> Iterator[T]:
-        """Lend the thing of *key*; *open_thing* opens it if it is not open yet."""
+        """Lend the thing of *key*. *open_thing* opens it if it is not open yet."""
         entry = self._entries.get(key)
         if entry is None:
             entry = self._entries[key] = _Entry(open_thing())

@@ -11,19 +11,19 @@ from gateway.protocol.errors import ProtocolError
 
 @dataclass(frozen=True, slots=True)
 class Deadline:
-    """A time-out that has begun. It goes from step to step, so that no step starts it anew."""
+    """A timeout that has begun. It passes from step to step, so that no step starts it again."""
 
     timeout_s: float
     at_s: float  # loop time
 
     @classmethod
     def within(cls, timeout_s: float) -> "Deadline":
-        """Begin a time-out now."""
+        """Begin a timeout now."""
         return cls(timeout_s, asyncio.get_running_loop().time() + timeout_s)
 
     @contextlib.asynccontextmanager
     async def limit(self, event: str) -> AsyncIterator[None]:
-        """Cancel what is awaited inside when the time is over; see `error`.
+        """Cancel what is awaited inside when the time is over. See `error`.
 
         Raises:
             ProtocolError: ``timeout``.

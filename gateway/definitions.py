@@ -14,7 +14,7 @@ def known_definitions(paths: Iterable[str | Path], source: str) -> InstalledDefi
     """Return what is installed, in the folders *paths*, and shipped with the gateway.
 
     Raises:
-        ConfigError: a folder cannot be read; the text begins with *source*, where it was named.
+        ConfigError: a directory cannot be read. The text begins with *source*, which named it.
     """
     prefixes = [*installed_prefixes(), interfaces_prefix()]
     folders = [*(Path(path).expanduser() for path in paths), SHIPPED]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The gateway's own /diagnostics, for rqt_robot_monitor and other tools of ROS."""
+"""The gateway's own /diagnostics, for rqt_robot_monitor and other ROS tools."""
 
 import asyncio
 import contextlib
@@ -24,7 +24,7 @@ logger = logging.getLogger(__name__)
 def publishing(
     ros: Ros, types: Types, summarize: Callable[[], Summary], name: str
 ) -> Iterator[None]:
-    """Publish a diagnosis each second inside the context; *name* begins those of its components."""
+    """Publish a diagnosis each second in the context. Component names begin with *name*."""
     task = asyncio.get_running_loop().create_task(_report(_Reports(ros, types, summarize, name)))
     try:
         yield
@@ -34,7 +34,7 @@ def publishing(
 
 async def _report(reports: "_Reports") -> None:
     while True:
-        await asyncio.sleep(PERIOD_S)  # first, too: who starts the gateway waits for it to listen
+        await asyncio.sleep(PERIOD_S)  # sleeps first, because users wait for the gateway to listen
         reports.publish()
 
 
@@ -46,16 +46,16 @@ class _Reports:
         self._name = name
         self._publisher: Publisher | None = None
         self._before: Summary | None = None
-        self._trouble = ""  # that the log has last
+        self._trouble = ""  # the last one in the log
 
     def publish(self) -> None:
-        """Publish one diagnosis; log why it cannot be, once, as the next one may be."""
+        """Publish one diagnosis. Log each new error once, because the next one may succeed."""
         try:
             self._publish()
         except (RosError, OSError) as error:  # no diagnostic_msgs, or no descriptors
             if self._is_new(error):
                 logger.warning("%s is not published: %s", TOPIC, error)
-        except Exception as error:  # a fault of ours must not end the diagnoses that may show it
+        except Exception as error:  # our fault must not end the diagnoses that may show it
             if self._is_new(error):
                 logger.exception("%s is not published", TOPIC)
 

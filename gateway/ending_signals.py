@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The signals that somebody may send to end a process, and that would end it at once.
+"""Signals from outside that would end a process at once.
 
-Those of its own timers are not among them, nor those of a crash.
+Signals of timers and of a crash are not among them.
 """
 
 import signal

@@ -9,9 +9,8 @@ _BIND_REASONS: Final = {
     errno.EADDRINUSE: "the port is in use: end the program that has it (`ss -ltnp` names it), or"
     " choose another one with --port or --tls-port",
     errno.EACCES: "ports below 1024 need privileges: choose another one with --port or --tls-port",
-    errno.EADDRNOTAVAIL: "no interface of this machine has that address: `ip -br address` lists"
-    " those that are up; --lan listens on all of them, and without --host this machine alone can"
-    " connect",
+    errno.EADDRNOTAVAIL: "no interface of this machine has that address: choose one that"
+    " `ip -br address` lists, use --lan for all of them, or leave out --host for this machine only",
     errno.EAFNOSUPPORT: "this machine has no such address family: choose another address with"
     " --host",
 }
@@ -32,11 +31,11 @@ def system_reason(error: OSError) -> str:
 
 
 class GatewayError(Exception):
-    """Raised as one of its subclasses; the text is for people and needs no traceback."""
+    """Raised as one of its subclasses. The text is for people and needs no traceback."""
 
 
 class ConfigError(GatewayError):
-    """Raised when the configuration is wrong; ``problems`` has one sentence for each mistake."""
+    """Raised when the configuration is wrong. ``problems`` has one sentence for each mistake."""
 
     def __init__(self, *problems: str) -> None:
         super().__init__("\n".join(problems))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Faults of a running gateway, in words for its operator; see `gateway.server.health`."""
+"""Faults of a running gateway, in words for its operator. See `gateway.server.health`."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -9,10 +9,10 @@ Severity = Literal["dead", "not ready", "degraded", "starting"]
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """Something that is wrong. The text goes to whoever asks: no secrets, no names of topics.
+    """Something that is wrong. Everybody can read the text: no secrets, no names of topics.
 
-    ``dead`` is what only another start will mend, ``not ready`` what keeps clients from being
-    served for now, ``degraded`` what takes away a part, and ``starting`` what is over soon.
+    ``dead``: only a restart helps. ``not ready``: clients cannot be served now. ``degraded``: a
+    part does not work. ``starting``: over soon.
     """
 
     severity: Severity

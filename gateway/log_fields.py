@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The fields that records of the log carry beside their text, by `extra`, and their words.
+"""The fields of log records, in addition to their text.
 
-``client`` is a client's address and number, such as ``10.0.0.5#12``, and ``topic`` a topic, an
-action or a service. Lines with one of them may come as often as somebody outside wants: they are
-bounded, see `gateway.log_rate`.
+``client`` is a client's address and number, such as ``10.0.0.5#12``. ``topic`` is a topic, an
+action, or a service. Clients can cause any number of such lines, so `gateway.log_rate` limits them.
 """
 
 import logging
@@ -22,7 +21,7 @@ FIELDS: Final = (
     "frames_out",
     "left_out",  # lines of this kind before this one
 )
-_SHOWN: Final = ("client", "topic")  # in text; the others are in the message
+_SHOWN: Final = ("client", "topic")  # in text, while the message has the others
 
 
 def fields_of(record: logging.LogRecord) -> dict[str, Any]:
@@ -54,7 +53,7 @@ def counted(count: int, noun: str) -> str:
 
 
 def _on_one_line(text: str) -> str:
-    """Escape whatever could begin a line of its own, or speak to a terminal."""
+    """Escape characters that could begin another line, or control a terminal."""
     if text.isprintable():
         return text
     return "".join(

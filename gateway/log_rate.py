@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bound on the lines of the log that somebody outside can cause.
+"""A limit on the log lines that clients can cause.
 
-No flood of connections or refused operations may fill a disk, nor hide lines of another kind. One
-address can hide no line of another; ten that flood at once can: lines of one kind share one a
-second then.
+A flood of connections or refused operations must not fill a disk, or hide lines of another kind.
+One address cannot hide the lines of another. If ten addresses flood at once, lines of one kind
+share one line per second.
 """
 
 import logging
@@ -15,17 +15,17 @@ from typing import Any, Final
 
 # Of one address and kind: a classroom of headsets connects without a line being left out.
 BURST: Final = 32
-EVERY_S: Final = 10.0  # one line, after them
+EVERY_S: Final = 10.0  # then one line every so often
 # Of one kind, whatever the addresses are: an attacker may have many.
 ALL_BURST: Final = 128
 ALL_EVERY_S: Final = 1.0
-MAX_BUCKETS: Final = 1024  # 0.5 MB; further addresses share what their kind has
+MAX_BUCKETS: Final = 1024  # 0.5 MB in all. Further addresses share the limit of their kind
 MAX_KEPT_CHARACTERS: Final = 500  # of a line that is left out, until its number is reported
 
 
 @dataclass(frozen=True, slots=True)
 class _Kept:
-    """The first line that was left out: written in the end, with the number of the others."""
+    """The first line that was left out. It is written later, with the number of the others."""
 
     name: str
     level: int
@@ -40,7 +40,7 @@ class _Kept:
 
 
 class _Bucket:
-    """As many lines as may be written now; one more every *every_s*."""
+    """The number of lines that may be written now. It grows by one every *every_s*."""
 
     def __init__(self, burst: int, every_s: float, now_s: float) -> None:
         self._burst = burst
@@ -67,12 +67,12 @@ class _Bucket:
         self._tokens -= 1
 
     def take_left_out(self) -> int:
-        """Forget the lines that were left out; return how many they were."""
+        """Forget the lines that were left out, and return their number."""
         left_out, self.left_out, self.kept = self.left_out, 0, None
         return left_out
 
     def leave_out(self, record: logging.LogRecord, fields: tuple[str, ...]) -> None:
-        """Count a line; keep the first one, with these fields."""
+        """Count a line, and keep the first one with these fields."""
         self.left_out += 1
         if self.kept is None:
             extra = {name: getattr(record, name) for name in fields if hasattr(record, name)}
@@ -80,7 +80,7 @@ class _Bucket:
             self.kept = _Kept(record.name, record.levelno, message, extra)
 
     def late(self) -> logging.LogRecord | None:
-        """Take the line that was kept, with the number of the others; ``None`` if nothing was."""
+        """Take the line that was kept, and the number of the others, or ``None``."""
         kept = self.kept
         if kept is None:
             return None
@@ -89,13 +89,12 @@ class _Bucket:
 
 
 class LogRate(logging.Filter):
-    """Lets a bounded number of the lines that have a client or a topic pass.
+    """Passes a limited number of the lines that have a client or a topic.
 
-    A record that passes has `left_out`, the number of those of its address (or topic) and kind that
-    its own bound held back since the last one that passed. Those that the bound over all addresses
-    held back are nobody's: `overdue` reports them, without a client or a topic. Lines with neither
-    client nor topic all pass, and so do those whose `is_bounded` says that their writer bounds
-    them.
+    A record that passes has `left_out`: the number of lines of its address (or topic) and kind that
+    were held back since the last one. `overdue` reports the lines that the limit over all addresses
+    held back, without a client or a topic. Lines without client and topic always pass. Lines with
+    `is_bounded` also pass, because their writer limits them.
     """
 
     def __init__(self, clock_s: Callable[[], float] = time.monotonic) -> None:
@@ -120,7 +119,7 @@ class LogRate(logging.Filter):
                 own.leave_out(record, ("client", "topic", "reason"))
                 return False
             if not every.has_one(now_s):
-                every.leave_out(record, ("reason",))  # as the others had other clients
+                every.leave_out(record, ("reason",))  # because the others had other clients
                 return False
             every.take()
             left_out = 0
@@ -131,11 +130,11 @@ class LogRate(logging.Filter):
         return True
 
     def overdue(self, *, all_of_them: bool = False) -> Iterator[logging.LogRecord]:
-        """Yield a record for each bound that held lines back, each `EVERY_S` at most.
+        """Yield a record for each limit that held lines back, at most every `EVERY_S`.
 
-        Those of an address once it may write again: so their number becomes known after a flood,
-        too. Those of a kind also while the flood goes on, as nothing else has their number. With
-        *all_of_them*, at the end, whatever there is.
+        An address gets its record once it may write again, so the number becomes known after a
+        flood. A kind gets one during the flood, because nothing else has its number.
+        *all_of_them* yields all records, for the end of the log.
         """
         with self._lock:
             now_s = self._clock_s()
@@ -163,7 +162,7 @@ class LogRate(logging.Filter):
 
 
 def _source(record: logging.LogRecord) -> str | None:
-    """Return the address or the topic behind a record; ``None`` if nobody outside is."""
+    """Return the address or the topic behind a record, or ``None`` if a client did not cause it."""
     if getattr(record, "is_bounded", False):
         return None
     client: str | None = getattr(record, "client", None)

@@ -12,20 +12,19 @@ from typing import Any, Final
 _M_TRIM_THRESHOLD: Final = -1
 _M_MMAP_THRESHOLD: Final = -3
 
-_LARGEST_KEPT_BYTES: Final = 32 * 1024**2  # the most that glibc allows; an 8K picture is larger
+_LARGEST_KEPT_BYTES: Final = 32 * 1024**2  # the most that glibc allows. An 8K image is larger
 _FREE_KEPT_BYTES: Final = 64 * 1024**2  # a dozen 1080p pictures in transit, as rgb8
 
-# What a peak took and nobody needs any more. It costs 4 ms, and the first pictures thereafter the
-# page faults that they are spared otherwise.
+# Memory of a peak is returned after this time. It costs 4 ms, and page faults for the next images.
 RETURN_S: Final = 60.0
 
 
 def keep_large_blocks() -> None:
     """Serve blocks up to 32 MiB from the heap, and keep up to 64 MiB of it when they are freed.
 
-    By default glibc maps a large block anew for each message and unmaps it after, and the kernel
-    clears every page of it: for a 640x480 picture on its way through rclpy that is 640 page
-    faults, 1.3 ms, more than encoding it takes. Does nothing with another C library.
+    By default glibc maps and unmaps a large block for each message, and the kernel clears every
+    page of it. For a 640x480 image in rclpy that is 640 page faults or 1.3 ms, more than encoding
+    takes. Does nothing with another C library.
     """
     mallopt = _libc_function("mallopt")
     if mallopt is not None:
@@ -37,8 +36,9 @@ def keep_large_blocks() -> None:
 def returning_free_memory() -> Iterator[None]:
     """Give free pages back to the kernel, every `RETURN_S`, until the context ends.
 
-    What is kept for large blocks would only ever grow: each peak leaves holes between blocks that
-    live for long, and the next one finds none of its size. Does nothing with another C library.
+    Otherwise the memory for large blocks would only grow. Each peak leaves holes between blocks
+    that live for long, and the next peak finds no hole of its size. Does nothing with another C
+    library.
     """
     trim = _libc_function("malloc_trim")
     if trim is None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The router's interface to ROS, as Protocols.
 
-`gateway.ros` implements it; the tests' fake passes the same contract suite. Everything here is
+`gateway.ros` implements it. The tests' fake passes the same contract suite. Everything here is
 called on the event loop's thread and returns without blocking. Callbacks run on that thread.
 """
 
@@ -20,7 +20,7 @@ LogLevel = Literal["debug", "info", "warning", "error"]
 
 
 class RosError(Exception):
-    """ROS refuses a request; ``code`` is the protocol's name of the reason."""
+    """ROS refuses a request. ``code`` is the protocol's name of the reason."""
 
     def __init__(
         self,
@@ -38,7 +38,7 @@ Origin = tuple[int, int | None]
 
 
 class Sample(NamedTuple):
-    """One message as it came from DDS; times are nanoseconds of the system clock."""
+    """One message as it came from DDS. Times are nanoseconds of the system clock."""
 
     cdr: Cdr
     received_ns: int  # when the middleware took it
@@ -54,7 +54,7 @@ class Sample(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """A quality of service; ``None`` means: adopt the other side's offer.
+    """A quality of service. ``None`` means: adopt the other side's offer.
 
     Durations are nanoseconds, where ``None`` means unlimited.
     """
@@ -68,9 +68,9 @@ class Qos:
     lease_ns: int | None = None  # of liveliness: for how long a publisher may give no sign
 
 
-# What a transient-local publisher keeps for so long or shorter is no state that a late subscriber
-# needs: it bridges the time until the two have discovered each other. Not shorter, or the end of a
-# burst could be lost for good: Fast DDS repairs a loss within 3 s (the period of its heartbeats).
+# If a transient-local publisher keeps messages for at most this time, late subscribers do not need
+# them: they only bridge the time of discovery. A shorter time could lose the end of a burst,
+# because Fast DDS repairs a loss within 3 s (the period of its heartbeats).
 BRIEF_LIFESPAN_NS: Final = 4_000_000_000
 
 
@@ -128,7 +128,7 @@ class ServerInfo:
 
     name: str
     types: tuple[str, ...]  # pkg/srv/Name or pkg/action/Name
-    nodes: tuple[str, ...]  # full names, sorted; without those that share their name with another
+    nodes: tuple[str, ...]  # full names, sorted, without those that several nodes share
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +146,7 @@ class RosSubscription(Protocol):
 
     @property
     def qos(self) -> Qos:
-        """The profile in force, with nothing left to adopt; it may change with the publishers."""
+        """The profile in force, with nothing left to adopt. It may change with the publishers."""
 
     @property
     def publishers(self) -> int:
@@ -170,18 +170,18 @@ class RosSubscription(Protocol):
         """The mismatches given to *on_event* that still apply."""
 
     def close(self) -> None:
-        """Destroy it; no callback follows. Closing twice is harmless."""
+        """Destroy it. No callback follows. Closing twice is harmless."""
 
 
 class LateReader(Protocol):
-    """A second ROS subscription beside one that has been there for long."""
+    """A second ROS subscription, next to an older one."""
 
     @property
     def publishers(self) -> int:
         """The number of publishers that it is matched with."""
 
     def close(self) -> None:
-        """Destroy it; no callback follows. Closing twice is harmless."""
+        """Destroy it. No callback follows. Closing twice is harmless."""
 
 
 class Publisher(Protocol):
@@ -201,10 +201,10 @@ class Publisher(Protocol):
 
 
 class ServiceClient(Protocol):
-    """A client of a ROS service; its requests and responses are CDR."""
+    """A client of a ROS service. Its requests and responses are CDR."""
 
     async def call(self, request: bytes) -> bytes:
-        """Wait for a server, send the request, wait for the response; cancelling forgets it.
+        """Wait for a server, send the request, wait for the response. Cancelling forgets it.
 
         Any number of calls may be pending. The caller sets the time limit.
 
@@ -214,7 +214,7 @@ class ServiceClient(Protocol):
         """
 
     def close(self) -> None:
-        """Destroy it; pending calls fail. Closing twice is harmless."""
+        """Destroy it. Pending calls fail. Closing twice is harmless."""
 
 
 class Request(Protocol):
@@ -228,7 +228,7 @@ class Request(Protocol):
         """Respond, at most once. It does nothing if the service is closed or the caller is gone.
 
         Raises:
-            RosError: ``internal``: *response* is not CDR of the type; the request is still open.
+            RosError: ``internal``: *response* is not CDR of the type. The request is still open.
         """
 
 
@@ -247,7 +247,7 @@ class Watch(Protocol):
     """A registration of a callback."""
 
     def close(self) -> None:
-        """End it; no callback follows. Closing twice is harmless."""
+        """End it. No callback follows. Closing twice is harmless."""
 
 
 class RosGraph(Protocol):
@@ -274,7 +274,7 @@ class Ros(RosGraph, Protocol):
     """ROS 2 as the gateway uses it."""
 
     def topics(self) -> Mapping[str, Sequence[str]]:
-        """Return the types of all topics; far cheaper than `graph`."""
+        """Return the types of all topics, which is far cheaper than `graph`."""
 
     def type_holders(self, topic: str, type_name: str) -> Sequence[TypeHolder]:
         """Return the other nodes that publish a type on a topic, then those that subscribe to it.
@@ -306,10 +306,9 @@ class Ros(RosGraph, Protocol):
         """Subscribe to a fully resolved topic name.
 
         *on_samples* gets the samples since its last call, oldest first, never empty, at most
-        `MAX_TAKES_PER_TURN` at once. Fields that *qos* leaves open are adopted from the publishers,
-        and again when they change; even then each sample comes once. *on_event* hears of each
-        publisher whose type or offer cannot be matched, of publishers that are gone, and of what
-        DDS counts.
+        `MAX_TAKES_PER_TURN` at once. Open fields of *qos* are adopted from the publishers, and
+        again when these change. Even then each sample comes once. *on_event* gets publishers whose
+        type or offer does not match, publishers that are gone, and the counts of DDS.
 
         Raises:
             RosError: the name or the type is invalid, or the type's ROS package is not installed.
@@ -322,10 +321,10 @@ class Ros(RosGraph, Protocol):
         qos: Qos,
         on_event: Callable[[TopicEvent], None],
     ) -> Publisher:
-        """Create a publisher on a fully resolved topic name; open QoS fields get defaults.
+        """Create a publisher on a fully resolved topic name. Open QoS fields get defaults.
 
         *on_event* hears of each subscription that gets nothing, because of its type or of
-        what it asks for, and of missed deadlines; the gateway's own subscriptions hear of it
+        what it asks for, and of missed deadlines. The gateway's own subscriptions hear of it
         themselves.
 
         Raises:
@@ -333,7 +332,7 @@ class Ros(RosGraph, Protocol):
         """
 
     def advertise_own(self, topic: str, type_name: str, qos: Qos) -> Publisher:
-        """Create a publisher of the gateway itself; `entity_count` leaves it out.
+        """Create a publisher of the gateway itself. `entity_count` leaves it out.
 
         Raises:
             RosError: as for `subscribe`.
@@ -343,21 +342,21 @@ class Ros(RosGraph, Protocol):
         """Create a client of a service by its fully resolved name.
 
         Raises:
-            RosError: as for `subscribe`; *type_name* is ``pkg/srv/Name``.
+            RosError: as for `subscribe`. *type_name* is ``pkg/srv/Name``.
         """
 
     def serve(self, service: str, type_name: str, on_request: Callable[[Request], None]) -> Service:
         """Provide a service by its fully resolved name.
 
         Raises:
-            RosError: as for `client`; also ``limit_exceeded`` if the gateway provides it already.
+            RosError: as for `client`. Also ``limit_exceeded`` if the gateway provides it already.
         """
 
     def action_client(self, action: str, type_name: str) -> ActionClient:
         """Create a client of an action by its fully resolved name.
 
         Raises:
-            RosError: as for `subscribe`; *type_name* is ``pkg/action/Name``.
+            RosError: as for `subscribe`. *type_name* is ``pkg/action/Name``.
         """
 
     def serve_action(
@@ -369,23 +368,23 @@ class Ros(RosGraph, Protocol):
     ) -> ActionServer:
         """Provide an action by its fully resolved name.
 
-        *on_cancel* is called once for a goal of *on_goal*'s that a client wants to cancel; the
+        *on_cancel* is called once for a goal of *on_goal*'s that a client wants to cancel. The
         goal continues until it is finished.
 
         Raises:
-            RosError: as for `action_client`; also ``limit_exceeded`` if the gateway provides it
+            RosError: as for `action_client`. Also ``limit_exceeded`` if the gateway provides it
                 already.
         """
 
     def topic_types(self, topic: str) -> tuple[str, ...]:
-        """Return the types of a topic, sorted; empty if the graph does not know it.
+        """Return the types of a topic, sorted. The result is empty if the graph does not know it.
 
-        They are those of its publishers; without any, those of its subscribers. The gateway's own
-        count only if there are no others.
+        They are the types of its publishers, or of its subscribers if it has no publishers. The
+        gateway's own count only if there are no others.
         """
 
     def action_types(self, action: str) -> tuple[str, ...]:
-        """Return the types of an action, sorted; empty if the graph knows no server."""
+        """Return the types of an action, sorted. The result is empty if there is no server."""
 
     def watch_graph(self, on_change: Callable[[], None]) -> Watch:
         """Call *on_change* soon after topics, types, endpoints or nodes have changed.
@@ -400,16 +399,16 @@ class Ros(RosGraph, Protocol):
         """Write to the debug node's logger, and so to ``/rosout``."""
 
     def faults(self) -> Sequence[Fault]:
-        """Return what is wrong with ROS itself; ask every few seconds, or a hang is not found."""
+        """Return what is wrong with ROS itself. Ask every few seconds, or a hang is not found."""
 
     def shared_names(self) -> Sequence[str]:
         """Return the full names that several nodes have had for a while, sorted.
 
-        A node that was killed stays in the graph beside its successor, and does not count.
+        A node that was killed stays in the graph next to its successor, and does not count.
         """
 
     def entity_count(self) -> int:
         """Count the open entities of this port, of all kinds."""
 
 
-MAX_TAKES_PER_TURN = 32  # 4 ms of 4 kHz Odometry; then other sockets and topics follow
+MAX_TAKES_PER_TURN = 32  # 4 ms of Odometry at 4 kHz, then other sockets and topics follow

@@ -25,7 +25,7 @@ from gateway.server.http import own_names
 
 logger = logging.getLogger(__name__)
 
-# made where tokens are needed and there is none
+# created if tokens are needed and the file has no token
 FIRST_NAME: Final = "first"
 FIRST_ROLE: Final = "operator"
 
@@ -40,22 +40,22 @@ class Security:
     rules: WebRules
     tls: ssl.SSLContext | None
     token_path: Path
-    new_token: str | None  # made just now; it is kept nowhere, so it is shown once
+    new_token: str | None  # created just now, shown once, and kept nowhere
     audit_faults: Callable[[], Sequence[Fault]]
 
     def reload(self, config: Config) -> tuple[Tokens, Policy]:
         """Read what may change while the gateway runs: tokens, permissions, the certificate.
 
         Raises:
-            ConfigError: something is wrong; nothing has changed.
+            ConfigError: something is wrong. Nothing has changed.
         """
         tokens = Tokens()
         if self.authentication.looks_at_tokens:
             path = token_path(config)
             tokens = read_tokens(path)
             if self.authentication.tokens.known and not path.exists():
-                # somebody moves it, or it never could be written: that must not lock all out
-                logger.warning("%s is not there: the tokens stay as they were", path)
+                # the file was moved, or could never be written: that must not lock everybody out
+                logger.warning("%s is missing: the old tokens stay valid", path)
                 tokens = self.authentication.tokens
         if self.tls is not None and config.tls.cert is not None:
             load_certificate(self.tls, config.tls)
@@ -64,7 +64,7 @@ class Security:
 
 @contextlib.contextmanager
 def open_security(config: Config) -> Iterator[Security]:
-    """Open everything; make a first token where one is needed.
+    """Open everything, and create a first token if one is needed.
 
     Raises:
         ConfigError: the configuration contradicts itself, or a file that it names is unusable.
@@ -88,8 +88,8 @@ def _make_first(authentication: Authentication, path: Path) -> str:
     try:
         token_file.change(path, lambda tokens: tokens.added(token))
     except TokenFileError as error:
-        # a container whose files cannot be written must start all the same, and stay closed
-        logger.warning("%s: the token that was made is valid until the gateway ends", error)
+        # a container with read-only files must start anyway, and stay closed
+        logger.warning("%s: the new token is valid until the gateway ends", error)
     authentication.tokens = Tokens((token,))
     return text
 
@@ -98,7 +98,7 @@ def _make_first(authentication: Authentication, path: Path) -> str:
 def _audit(
     config: Config, *, is_wanted: bool
 ) -> Iterator[tuple[Audit, Callable[[], Sequence[Fault]]]]:
-    """Open the audit log; on this machine alone, and without a file, it is for debugging."""
+    """Open the audit log. Without a network and without a file, its level is debug."""
     path = config.audit.file
     level = logging.INFO if is_wanted or path is not None else logging.DEBUG
     if path is None:

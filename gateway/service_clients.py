@@ -11,7 +11,7 @@ from schemas.json_forms import Clock
 
 
 class ServiceClients:
-    """Calls any service; its ROS client stays open for the next call."""
+    """Calls any service, and keeps its ROS client open for the next call."""
 
     def __init__(self, ros: Ros) -> None:
         self._ros = ros
@@ -27,8 +27,8 @@ class ServiceClients:
     ) -> dict[str, object]:
         """Call a service by its resolved name and return its response, decoded.
 
-        *values* are for the fields of the request, by name or in order; ``None`` leaves all of
-        them out. The deadline covers waiting for a server, too.
+        *values* are for the fields of the request, by name or in order. ``None`` leaves all of
+        them out. The deadline includes the time of waiting for a server.
 
         Raises:
             ProtocolError: the values do not fit the type, or nobody answers.
@@ -45,7 +45,7 @@ class ServiceClients:
             raise ProtocolError("internal", f"response of {service}: {error}") from error
 
     def close(self) -> None:
-        """Close every client; calls under way fail."""
+        """Close every client. Calls under way fail."""
         self._clients.close()
 
 

@@ -10,9 +10,9 @@ from typing import Final
 from gateway.faults import Fault
 from gateway.metrics.state import ControlState
 
-LOOK_S: Final = 0.05  # nobody sees the difference
-ALONE_S: Final = 5.0  # who has not been discovered by then is not there
-INVITE_S: Final = 30.0  # a gateway whose guard does not start serves all the same
+LOOK_S: Final = 0.05  # too short to notice
+ALONE_S: Final = 5.0  # a robot that is not discovered by then does not run
+INVITE_S: Final = 30.0  # a gateway whose guard does not start serves anyway
 
 
 class Start:
@@ -32,7 +32,7 @@ class Start:
         is_alone = not any(each.listeners for each in drives)
         if guard_is_ready and is_alone and time.monotonic() - self._began_s >= ALONE_S:
             return ()
-        text = "no robot can be driven yet: the guard process that can stop it prepares for it"
+        text = "no robot can be driven yet, because the guard process starts: wait a moment"
         return (Fault("starting", text),)
 
     @contextmanager

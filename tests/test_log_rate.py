@@ -27,7 +27,7 @@ class Log:
         return True
 
     def flood(self, count: int, **extra: Any) -> int:
-        """Write so many; return how many pass."""
+        """Write so many. Return how many pass."""
         return sum(self.write(**extra) for _ in range(count))
 
 

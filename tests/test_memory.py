@@ -48,7 +48,7 @@ async def test_free_memory_goes_back_again_and_again_until_the_end(
 
 
 def test_what_is_free_is_the_kernel_s_again() -> None:
-    """Leave holes below a block that lives on; nothing but asking for it gives these back."""
+    """Leave holes below a block that lives on. Nothing but asking for it gives these back."""
     program = """
 import asyncio
 from gateway import memory

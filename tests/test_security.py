@@ -103,7 +103,7 @@ def test_a_token_file_that_has_gone_locks_nobody_out(path: Path, caplog):
         path.unlink()
         tokens, _ = security.reload(config())
         assert tokens == before
-    assert f"{path} is not there: the tokens stay as they were" in caplog.text
+    assert f"{path} is missing: the old tokens stay valid" in caplog.text
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,9 @@ from gateway.config.section import Section
 
 Role = Literal["viewer", "operator", "admin"]  # by default each may do more than the one before
 ROLES: Final[tuple[Role, ...]] = ("viewer", "operator", "admin")
-AnyRole = Role | Literal["page"]  # pages of another local server have it; no token does
+AnyRole = Role | Literal["page"]  # pages of another local server have it, but no token
 
-# `**`, or a path of segments; within one, `*` stands for any characters
+# `**`, or a path of segments, in which `*` stands for any characters
 Glob = Annotated[str, StringConstraints(pattern=r"^(\*\*|(/(\*\*|[A-Za-z0-9_*]+))+)$")]
 Globs = Annotated[
     tuple[Glob, ...],

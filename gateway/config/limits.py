@@ -23,7 +23,7 @@ class Limits(Section):
     """
 
     max_clients: Count = Field(
-        128,  # enough for a class of 100; each costs 40 KB, its queue, and 2 ms to connect
+        128,  # enough for a class of 100, at 40 KB, a queue, and 2 ms to connect each
         description="Maximum number of connections. Further clients are refused with close"
         " code 1013.",
     )
@@ -75,7 +75,7 @@ class Limits(Section):
         " with `limit_exceeded`.",
     )
     max_advertisements: Count = Field(
-        320,  # enough to replay such a recording; each costs 55 KB and 2 ms to open
+        320,  # enough to replay such a recording, at 55 KB and 2 ms to open each
         serialization_alias="advertisements",
         description="Maximum number of topics, of services, and of actions that a client"
         " may advertise. Further ones are refused with `limit_exceeded`.",

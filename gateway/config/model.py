@@ -76,7 +76,7 @@ Networks = Annotated[
 RosToken = Annotated[
     str,
     StringConstraints(pattern=rf"^{_NAME_PART}$", max_length=100),
-    Field(json_schema_extra={"expected": "letters, digits, and underscores; not a digit first"}),
+    Field(json_schema_extra={"expected": "letters, digits, and underscores, not a digit first"}),
 ]
 RosNamespace = Annotated[
     str,

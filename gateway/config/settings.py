@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The sources of the configuration: flags, then the environment, then a TOML file.
 
-Keys that none of them sets have their defaults. Every value is checked with its source, so that
-an error names the flag, the variable, or the file and key.
+Other settings have their defaults. Every error names the flag, the variable, or the file and key.
 """
 
 import contextlib
@@ -31,12 +30,12 @@ FILE_VARIABLE: Final = "ROS2_GATEWAY_CONFIG"
 # of clients: `ros2-gateway generate --from` shows it to a gateway
 TOKEN_VARIABLE: Final = "ROS2_GATEWAY_TOKEN"  # noqa: S105  # a name
 
-# keys of former versions, and what takes their place
+# settings of former versions, and their replacements
 _REPLACED: Final = {
     "limits.operations_per_s": "limits.client_time_share, as time is limited instead of counts",
     "limits.operation_burst": "limits.client_time_share, as time is limited instead of counts",
 }
-# such that mean nothing, and need not keep a gateway from starting
+# settings without a meaning, which must not prevent a start
 _IGNORED: Final = {
     "limits.ping_timeout_s": "a client that answers no ping stays connected",
 }
@@ -58,7 +57,7 @@ _JSON_TYPES: Final = {
 
 
 class Given(NamedTuple):
-    """One value from one source, not yet checked; ``is_text`` if the source has only strings."""
+    """One unchecked value from one source. ``is_text`` if the source has only strings."""
 
     key: str  # dotted, as in limits.max_clients
     value: object
@@ -80,7 +79,7 @@ class Setting:
 
     @property
     def description(self) -> str:
-        """Its meaning, the reason of its default, and the effect at the limit."""
+        """Its meaning, and the effect at the limit."""
         return self.field.description or ""
 
     @cached_property
@@ -92,10 +91,10 @@ class Setting:
         return _expectation(schema)
 
     def parse(self, given: Given) -> object:
-        """Return the value in the field's type; see `_items` for a text of several values.
+        """Return the value in the field's type. See `_items` for a text of several values.
 
         Raises:
-            ConfigError: the value does not fit.
+            ConfigError: the value is invalid.
         """
         value = given.value
         try:
@@ -126,10 +125,10 @@ class Loaded(NamedTuple):
 
     config: Config
     origins: Mapping[str, str]
-    ignored: Sequence[str] = ()  # what was given and means nothing, in words
+    ignored: Sequence[str] = ()  # a sentence for each setting that is ignored
 
     def warn(self) -> None:
-        """Write to the log what is ignored."""
+        """Log the settings that are ignored."""
         for text in self.ignored:
             logger.warning("%s", text)
 
@@ -148,10 +147,10 @@ def load(
     environment: Mapping[str, str] | None = None,
     file: Path | None = None,
 ) -> Loaded:
-    """Load the configuration; a *file* takes precedence over the one that the environment names.
+    """Load the configuration. A *file* takes precedence over the one that the environment names.
 
     Raises:
-        ConfigError: values are wrong; it lists every mistake in all sources.
+        ConfigError: values are wrong. The error lists every mistake in all sources.
     """
     environment = environment or {}
     if file is None and environment.get(FILE_VARIABLE):
@@ -174,7 +173,7 @@ def load(
         if setting is None:
             sections = dict.fromkeys(key.partition(".")[0] for key in known)
             hint = _hint(given.key, [*known, *sections])
-            problems.append(f"{given.source}: unknown key {given.key}{hint}")
+            problems.append(f"{given.source}: unknown setting {given.key}{hint}")
             continue
         try:
             values[given.key] = setting.parse(given)
@@ -187,7 +186,7 @@ def load(
 
 
 def to_toml(loaded: Loaded) -> str:
-    """Write a configuration as TOML, with the source beside each value."""
+    """Write a configuration as TOML, with the source next to each value."""
     tables: dict[str, list[str]] = {}
     for setting in settings():
         table, _, name = setting.key.rpartition(".")
@@ -209,7 +208,7 @@ def _from_file(path: Path, known: Mapping[str, Setting], problems: list[str]) ->
     except OSError as error:
         problems.append(f"cannot read {path}, {system_reason(error)}")
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        problems.append(f"{path} is no TOML: {error}")
+        problems.append(f"{path} is not valid TOML: {error}")
     else:
         return list(_flattened(document, str(path), known, problems))
     return ()

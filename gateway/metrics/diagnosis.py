@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The state of the gateway in words, for ROS' own tools."""
+"""The state of the gateway in words, for ROS tools."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -13,14 +13,14 @@ WARN: Final = 1
 ERROR: Final = 2
 
 LATE_S: Final = 0.1  # people notice it in what they steer
-TOO_LATE_S: Final = 0.5  # the deadline of a command: robots stop
-CROWDED: Final = 0.8  # of the ROS entities; the rest is gone before somebody has looked
+TOO_LATE_S: Final = 0.5  # the command timeout: robots stop
+CROWDED: Final = 0.8  # of the ROS entities, because the rest can be used up quickly
 MAX_NAMED: Final = 8  # clients or nodes: more do not help, and the message is for people
 
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """One component: how it is, in a word, a sentence and numbers."""
+    """The state of one component: a level, a sentence, and numbers."""
 
     component: str
     level: Level
@@ -31,7 +31,7 @@ class Diagnosis:
 def diagnose(now: Summary, before: Summary | None) -> list[Diagnosis]:
     """Return the diagnosis of each component.
 
-    *before* is the summary of a moment ago: who loses samples now has lost fewer then.
+    *before* is the summary of a moment ago. A client that loses messages had lost fewer then.
     """
     return [
         _event_loop(now),
@@ -47,7 +47,7 @@ def diagnose(now: Summary, before: Summary | None) -> list[Diagnosis]:
 def _event_loop(now: Summary) -> Diagnosis:
     late_s = now.max_lag_s
     level: Level = ERROR if late_s >= TOO_LATE_S else WARN if late_s >= LATE_S else OK
-    text = f"late by up to {late_s * 1000:.0f} ms" if level else "in time"
+    text = f"late by up to {late_s * 1000:.0f} ms" if level else "on time"
     values = {
         "max lag of 10 s (s)": f"{late_s:.4f}",
         "tasks": now.tasks,
@@ -83,7 +83,7 @@ def _delivery(now: Summary, before: Summary | None) -> Diagnosis:
         more = f" and {len(dropping) - MAX_NAMED} more" if len(dropping) > MAX_NAMED else ""
         text = f"too slow for what they subscribe to: {named}{more}"
     values = {
-        "clients that lose samples": len(dropping),
+        "clients that lose messages": len(dropping),
         "frames sent": now.totals.frames,
         "dropped by full queues": now.totals.dropped_by_full_queue,
         "coalesced": now.totals.coalesced,
@@ -108,7 +108,7 @@ def _ros_entities(now: Summary) -> Diagnosis:
 
 def _ros_graph(now: Summary) -> Diagnosis:
     shared = now.shared_names
-    text = "each node has a name of its own"
+    text = "each node has a unique name"
     if shared:
         more = f" and {len(shared) - MAX_NAMED} more" if len(shared) > MAX_NAMED else ""
         text = f"several nodes are named {', '.join(shared[:MAX_NAMED])}{more}"
@@ -121,15 +121,15 @@ def _guard(now: Summary) -> Diagnosis:
     text = "ready"
     if not control.guard_is_ready:
         level = ERROR if control.guard_losses else WARN
-        state = "lost, another one is started" if control.guard_losses else "starting"
-        text = f"{state}: commands to move are refused"
+        state = "lost, another one starts" if control.guard_losses else "starting"
+        text = f"{state}: commands that move the robot are refused"
     return Diagnosis("guard", level, text, {"losses": control.guard_losses})
 
 
 def _drive(drive: DriveState) -> Diagnosis:
     text = drive.motion
     if drive.is_tripped:
-        text = f"stopped, {drive.cause}: commands to move are refused until one of zero comes"
+        text = f"stopped, {drive.cause}: send a zero command to drive again"
     values = {
         "motion": drive.motion,
         "tripped": drive.is_tripped,

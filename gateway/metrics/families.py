@@ -40,6 +40,14 @@ def _one(value: Callable[[Summary], float]) -> Callable[[State], Rows]:
     return lambda state: [((), value(state.summary))]
 
 
+def _gauge(name: str, text: str, value: Callable[[Summary], float]) -> Family:
+    return Family(name, "gauge", text, _one(value))
+
+
+def _counter(name: str, text: str, value: Callable[[Summary], float]) -> Family:
+    return Family(name, "counter", text, _one(value))
+
+
 def _of_clients(value: Callable[[ClientState], float]) -> Callable[[State], Rows]:
     return lambda state: (((each.client,), value(each)) for each in state.summary.clients)
 
@@ -99,43 +107,33 @@ FAMILIES: Final[tuple[Family, ...]] = (
         lambda state: [((state.summary.version,), 1)],
         ("version",),
     ),
-    Family("uptime_seconds", "gauge", "Time since the start.", _one(lambda state: state.uptime_s)),
-    Family(
+    _gauge("uptime_seconds", "Time since the start.", lambda state: state.uptime_s),
+    _gauge(
         "clients",
-        "gauge",
         "Connected clients, with or without a token yet.",
-        _one(lambda state: len(state.clients)),
+        lambda state: len(state.clients),
     ),
-    Family(
-        "clients_limit",
-        "gauge",
-        "Maximum number of clients.",
-        _one(lambda state: state.max_clients),
-    ),
-    Family(
+    _gauge("clients_limit", "Maximum number of clients.", lambda state: state.max_clients),
+    _gauge(
         "clients_unauthenticated",
-        "gauge",
         "Clients that have not sent their token.",
-        _one(lambda state: state.unauthenticated),
+        lambda state: state.unauthenticated,
     ),
-    Family(
+    _gauge(
         "connections",
-        "gauge",
         "Open sockets, including handshakes and HTTP requests.",
-        _one(lambda state: state.connections),
+        lambda state: state.connections,
     ),
-    Family("tasks", "gauge", "Tasks of the event loop.", _one(lambda state: state.tasks)),
-    Family(
+    _gauge("tasks", "Tasks of the event loop.", lambda state: state.tasks),
+    _gauge(
         "ros_entities",
-        "gauge",
         "Open ROS entities of all kinds.",
-        _one(lambda state: state.entities["ros_entities"]),
+        lambda state: state.entities["ros_entities"],
     ),
-    Family(
+    _gauge(
         "ros_entities_limit",
-        "gauge",
         "Maximum number of ROS entities.",
-        _one(lambda state: state.max_ros_entities),
+        lambda state: state.max_ros_entities,
     ),
     Family(
         "open",
@@ -148,50 +146,33 @@ FAMILIES: Final[tuple[Family, ...]] = (
         ),
         ("kind",),
     ),
-    Family(
-        "sessions",
-        "counter",
-        "Clients that connected since the start.",
-        _one(lambda state: state.sessions),
-    ),
-    Family(
-        "operations",
-        "counter",
-        "Operations that clients sent.",
-        _one(lambda state: state.totals.operations),
-    ),
-    Family(
+    _counter("sessions", "Clients that connected since the start.", lambda state: state.sessions),
+    _counter("operations", "Operations that clients sent.", lambda state: state.totals.operations),
+    _counter(
         "operations_refused",
-        "counter",
         "Operations that were answered with an error.",
-        _one(lambda state: state.totals.refused),
+        lambda state: state.totals.refused,
     ),
-    Family(
+    _counter(
         "operations_replaced",
-        "counter",
         "Published messages that a newer one replaced before they reached ROS.",
-        _one(lambda state: state.totals.replaced),
+        lambda state: state.totals.replaced,
     ),
-    Family(
-        "frames_sent", "counter", "Frames sent to clients.", _one(lambda state: state.totals.frames)
-    ),
-    Family(
+    _counter("frames_sent", "Frames sent to clients.", lambda state: state.totals.frames),
+    _counter(
         "operations_seconds",
-        "counter",
         "Time of the event loop for operations of clients.",
-        _one(lambda state: state.time_s),
+        lambda state: state.time_s,
     ),
-    Family(
+    _counter(
         "reading_pauses",
-        "counter",
         "Pauses in reading from clients that used up their time share.",
-        _one(lambda state: state.pauses),
+        lambda state: state.pauses,
     ),
-    Family(
+    _gauge(
         "event_loop_lag_max_seconds",
-        "gauge",
         "Largest lag of the event loop in the last 10 s.",
-        _one(lambda state: state.max_lag_s),
+        lambda state: state.max_lag_s,
     ),
     Family(
         "handshakes_refused",
@@ -365,17 +346,13 @@ FAMILIES: Final[tuple[Family, ...]] = (
         "Messages that wait in queues and throttles",
         lambda d: d.pending,
     ),
-    Family(
+    _gauge(
         "guard_up",
-        "gauge",
         "1 while the guard process is ready.",
-        _one(lambda state: state.control.guard_is_ready),
+        lambda state: state.control.guard_is_ready,
     ),
-    Family(
-        "guard_losses",
-        "counter",
-        "Losses of the guard process.",
-        _one(lambda state: state.control.guard_losses),
+    _counter(
+        "guard_losses", "Losses of the guard process.", lambda state: state.control.guard_losses
     ),
     Family(
         "drive_moving",

@@ -4,7 +4,7 @@
 from bisect import bisect_left
 from typing import Final, NamedTuple
 
-# From a frame that is written at once to one that waited as long as a client may block.
+# From a frame that is written at once to one that waited as long as possible.
 TIME_BOUNDS_S: Final = (
     *(0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05),
     *(0.1, 0.2, 0.5, 1.0, 2.0, 5.0),
@@ -12,7 +12,7 @@ TIME_BOUNDS_S: Final = (
 
 
 class Observed(NamedTuple):
-    """A histogram at one moment; the last of *counts* is of what exceeds all bounds."""
+    """A histogram at one moment. The last of *counts* is beyond all bounds."""
 
     counts: tuple[int, ...]
     sum_s: float
@@ -37,7 +37,7 @@ class Histogram:
         self._sum_s = 0.0
 
     def observe(self, time_s: float) -> None:
-        """Count a time; a negative one, of a clock that was set, counts as none."""
+        """Count a time. A negative one, after a clock was set, counts as 0."""
         time_s = max(0.0, time_s)
         self._counts[bisect_left(TIME_BOUNDS_S, time_s)] += 1
         self._sum_s += time_s

@@ -66,6 +66,6 @@ def _written_times(family: TimeFamily, state: State) -> Iterator[str]:
 
 
 def _text(metric: Metric, *, is_first: bool) -> str:
-    """Write one part; HELP and TYPE stand before the first one only."""
+    """Write one part. HELP and TYPE stand before the first one only."""
     text = generate_latest(_Part(metric)).decode()
     return text if is_first else text.split("\n", 2)[2]

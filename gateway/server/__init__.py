@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The WebSocket server; the only importer of websockets beside `gateway.cli.remote_connection`.
+"""The WebSocket server. The only importer of websockets beside `gateway.cli.remote_connection`.
 
 The map is docs/contributing/architecture.md.
 """

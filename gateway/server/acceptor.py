@@ -26,7 +26,7 @@ class Acceptor(Protocol):
     numbers: Iterator[int]  # of connections
 
     def arrive(self, connection: Connection) -> None:
-        """Add a new connection; another may have to make room for it."""
+        """Add a new connection. Another may have to make room for it."""
 
     def client_address(self, peer: str, request: Request) -> str:
         """Return the address of a client, which may be behind proxies."""
@@ -43,7 +43,7 @@ class Acceptor(Protocol):
         """Return the response to bytes that begin like this and are not an HTTP request."""
 
     def enter(self, connection: Connection, request: Request) -> Session | None:
-        """Open the session of a client after its handshake; ``None`` if it was turned away."""
+        """Open the session of a client after its handshake, or ``None`` if it was turned away."""
 
     def receive(self, session: Session, data: bytes) -> None:
         """Carry out one message."""

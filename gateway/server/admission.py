@@ -68,9 +68,9 @@ class TurnedAwayError(Exception):
 
 
 class Admission:
-    """Admits clients; knows those that have yet to send their token, and bounds them.
+    """Admits clients. Knows those that have yet to send their token, and bounds them.
 
-    *room_for* returns the reason why there is no room for another client, or ``None``; *rules* say
+    *room_for* returns the reason why there is no room for another client, or ``None``. *rules* say
     which pages get less than a program would.
     """
 
@@ -95,7 +95,7 @@ class Admission:
         return len(self._waiting)
 
     def identify(self, entrant: Entrant, headers: Headers) -> Identity | None:
-        """Return who a client is by its handshake; ``None`` if its first frame must say it.
+        """Return who a client is by its handshake, or ``None`` if its first frame must say it.
 
         Raises:
             TurnedAwayError: its token is not valid, or there is no room.
@@ -162,7 +162,7 @@ class Admission:
     def reload(
         self, tokens: Tokens, policy: Policy, clients: Iterable[tuple[Entrant, Session]]
     ) -> list[Session]:
-        """Go on with other tokens and permissions; close the clients that these no longer fit.
+        """Go on with other tokens and permissions. Close the clients that these no longer fit.
 
         A client whose permissions have changed is closed, too: so all that it has open ends, and it
         opens anew what it still may. Return the sessions of those that were closed.

@@ -21,7 +21,7 @@ def batch_writer(
     """Return the function that writes several frames to a transport.
 
     That is `writelines`. In Python 3.12.0 to 3.12.8, 3.13.0 and 3.13.1 it never calls
-    `pause_writing` (CVE-2024-12254), and a client that does not read would fill the memory; before
+    `pause_writing` (CVE-2024-12254), and a client that does not read would fill the memory. Before
     3.12 asyncio's own joins all frames. There a few frames are joined, which costs a copy, and
     written as one, and the pieces of large ones are written one by one.
     """

@@ -113,7 +113,7 @@ class Connection(asyncio.BufferedProtocol):
         self._inbound.receive(bytes(memoryview(self._buffer)[:nbytes]), now_s)
 
     def eof_received(self) -> bool:
-        """Record that the peer has closed its side; return whether something is left to do."""
+        """Record that the peer has closed its side. Return whether something is left to do."""
         if self._closing_s is None and self._inbound.end():
             return True
         self._protocol.receive_eof()
@@ -195,7 +195,7 @@ class Connection(asyncio.BufferedProtocol):
             self._flushing = False
 
     def close(self, code: int, reason: str) -> None:
-        """Begin the closing handshake; `tick` ends it by force if the peer does not answer."""
+        """Begin the closing handshake. `tick` ends it by force if the peer does not answer."""
         if self._closing_s is None:
             self._closing_s = time.monotonic()
         if self._protocol.state is OPEN:
@@ -207,7 +207,7 @@ class Connection(asyncio.BufferedProtocol):
             self._transport.close()
 
     def turn_away(self, close_code: int, reason: str, code: StatusCode | None) -> None:
-        """Close a client that has no session, with words; with a *code* by a `status`, too."""
+        """Close a client that has no session, with words. With a *code* by a `status`, too."""
         # .NET's WebSocket shows its program no close code of 1012 to 1014, and no reason
         if code is not None:
             self._protocol.send_text(messages.status("error", reason, code=code))
@@ -236,13 +236,13 @@ class Connection(asyncio.BufferedProtocol):
         self._protocol.max_message_size = max_bytes
 
     def abort(self, why: Why | None = None) -> None:
-        """Cut the connection; give a cause unless it is ending already."""
+        """Cut the connection. Give a cause unless it is ending already."""
         self._why = self._why or why
         self._closing_s = self._closing_s or time.monotonic()
         self._transport.abort()
 
     def tick(self, now_s: float) -> None:
-        """End what has waited for too long, and send pings; called every `TICK_S` of the server."""
+        """End what has waited for too long, and send pings. Called every `TICK_S` of the server."""
         self._inbound.tick(now_s)
         limits = self._limits
         if self._closing_s is not None:
@@ -296,7 +296,7 @@ class Connection(asyncio.BufferedProtocol):
                 receive_message(self._session, message, receive, is_text=self._assembly.is_text)
 
     def end_piece(self) -> None:
-        """Send what `websockets` answers by itself; before a close frame of its own, say why."""
+        """Send what `websockets` answers by itself. Before a close frame of its own, say why."""
         if output := self._protocol.data_to_send():
             try:
                 self._explain_failure()
@@ -365,7 +365,7 @@ class Connection(asyncio.BufferedProtocol):
     # Outgoing
 
     def _write_directly(self, entry: Entry) -> int:
-        """Send an entry that need not wait; see `gateway.protocol.outbox.WriteDirectly`."""
+        """Send an entry that need not wait. See `gateway.protocol.outbox.WriteDirectly`."""
         if self._flushing or self._pacing.is_paused:
             return 0
         try:

@@ -28,7 +28,7 @@ _REFUSALS: Final = {
 
 
 class ServerCounters:
-    """The counts; their labels are from closed sets, whatever clients do."""
+    """The counts. Their labels are from closed sets, whatever clients do."""
 
     def __init__(self) -> None:
         self.sessions = 0

@@ -123,7 +123,7 @@ def answered(status: int, text: str) -> Why:
 
 
 def answered_with(response: Response) -> Why | None:
-    """Return the cause of an end by this response; ``None`` if a WebSocket begins."""
+    """Return the cause of an end by this response, or ``None`` if a WebSocket begins."""
     status = response.status_code
     if status == 101:
         return None

@@ -49,7 +49,7 @@ def _hops(headers: Headers) -> Iterator[str]:
 
 
 def _plain(hop: str) -> str | None:
-    """Return an address without port and brackets; ``None`` if it is something else."""
+    """Return an address without port and brackets, or ``None`` if it is something else."""
     with_port = _WITH_PORT.match(hop)
     text = (with_port["v6"] or with_port["v4"]) if with_port else hop
     try:

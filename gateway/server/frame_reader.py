@@ -2,7 +2,7 @@
 """The WebSocket frames that a client sends (RFC 6455, section 5.2).
 
 `websockets` reads them, and is ready to go on at any byte, which costs 3 us a frame in a hot loop.
-Nearly all are messages of one frame that are there as a whole; read here they take a third of that.
+Nearly all are messages of one frame that are there as a whole. Read here they take a third of that.
 """
 
 from collections.abc import Sequence
@@ -51,7 +51,7 @@ class FrameReader:
         self._is_in_message = False  # of which more frames have to come
 
     def read(self, data: bytes) -> Sequence[Event]:
-        """Take the next bytes; return the requests and frames that they complete."""
+        """Take the next bytes. Return the requests and frames that they complete."""
         data, self._head = self._head + data, b""
         events: list[Event] = []
         at = 0
@@ -72,7 +72,7 @@ class FrameReader:
         return events
 
     def _read_plain(self, data: bytes, at: int, messages: list[Event]) -> int:
-        """Append the plain messages from a place on to *messages*; return where they end."""
+        """Append the plain messages from a place on to *messages*. Return where they end."""
         max_bytes = self._protocol.max_message_size
         while at + _SHORT_HEAD <= len(data):
             opcode, length = _PLAIN.get(data[at]), data[at + 1]
@@ -93,7 +93,7 @@ class FrameReader:
         return at
 
     def _begin(self, data: bytes, at: int) -> bool:
-        """Look at the frame that begins there; return whether its head is complete."""
+        """Look at the frame that begins there. Return whether its head is complete."""
         self._missing_bytes = _size(data[at : at + _LONGEST_HEAD])
         if not self._missing_bytes:
             return False

@@ -57,7 +57,7 @@ class Health:
         return [fault.text for fault in faults]
 
     def page(self, path: str, details: Callable[[], Mapping[str, Any]]) -> tuple[int, str]:
-        """Return the HTTP status and the text of one of `PATHS`; *details* are for `PATH`."""
+        """Return the HTTP status and the text of one of `PATHS`. *details* are for `PATH`."""
         is_good = self.is_live if path == LIVE else self.is_ready
         body: dict[str, Any] = {
             "status": self.status,

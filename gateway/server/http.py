@@ -131,7 +131,7 @@ class HttpFront:
         self._answer_later = dict.fromkeys(PICTURE_PATHS, pictures) | {"/metrics": metrics}
 
     def respond(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
-        """Return the response; its status is 101 if a WebSocket begins.
+        """Return the response. Its status is 101 if a WebSocket begins.
 
         ``None`` means that *asker* gets it later.
         """
@@ -207,7 +207,7 @@ class HttpFront:
         return response
 
     def _page(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
-        """Return a page or a part of one; the start page is a text for who asks for no HTML."""
+        """Return a page or a part of one. The start page is a text for who asks for no HTML."""
         path = urlsplit(request.path).path
         if path in {"/", self._path}:
             check_target(request.path)
@@ -252,7 +252,7 @@ class HttpFront:
 
 
 def _to_origin_form(request: Request) -> str:
-    """Let the target of a request be a path; return its host.
+    """Let the target of a request be a path. Return its host.
 
     A target with a host is obeyed instead of the header (RFC 9112, 3.2.2), as proxies do.
 
@@ -274,7 +274,7 @@ def _to_origin_form(request: Request) -> str:
 
 
 def _version_refusal(protocol: ServerProtocol, request: Request) -> Response | None:
-    """Refuse drafts of the WebSocket protocol; RFC 6455 4.4 has the header of the answer."""
+    """Refuse drafts of the WebSocket protocol. RFC 6455 4.4 has the header of the answer."""
     version = request.headers.get("Sec-WebSocket-Version", "")
     if version in {"", _VERSION}:  # a request without is refused by `websockets`
         return None
@@ -335,7 +335,7 @@ def page(
     body: bytes | None,
     content_type: str = "text/plain; charset=utf-8",
 ) -> Response:
-    """Return a page that nobody keeps; of one that is not written its head alone."""
+    """Return a page that nobody keeps. Of one that is not written its head alone."""
     response = protocol.reject(200, "")
     headers = response.headers
     del headers["Content-Type"], headers["Content-Length"]

@@ -142,12 +142,12 @@ class Inbound:
         self._is_turn_over = False
 
     def ignore(self) -> None:
-        """Forget what waits, and all that comes; reading it is paid for nevertheless."""
+        """Forget what waits, and all that comes. Reading it is paid for nevertheless."""
         self._is_ignored = True
         self.drop()
 
     def end(self) -> bool:
-        """Take note that the client sends nothing more; return whether something waits still.
+        """Take note that the client sends nothing more. Return whether something waits still.
 
         Then the transport is closed once that is carried out, unless TLS is closed by itself.
         """
@@ -157,7 +157,7 @@ class Inbound:
         return self._is_at_end
 
     def tick(self, now_s: float) -> None:
-        """Look whether a client that has spent its time has left; end one that has."""
+        """Look whether a client that has spent its time has left. End one that has."""
         if self._left_s is not None:
             if now_s - self._left_s > LEFTOVER_S:
                 self._transport.abort()
@@ -224,7 +224,7 @@ class Inbound:
             self._spending.turns.add(self)
 
     def _read_on(self) -> None:
-        """Read again if there is room; take note of whether what comes may have waited."""
+        """Read again if there is room. Take note of whether what comes may have waited."""
         if self._is_at_end and not self:
             self._transport.close()
         if self._is_at_end or self._transport.is_closing():
@@ -312,7 +312,7 @@ class Inbound:
             session.is_overtaken = False
 
     def _parse(self) -> None:
-        """Parse the next piece; carry out a `stop` in it, and keep what else there is."""
+        """Parse the next piece. Carry out a `stop` in it, and keep what else there is."""
         piece = self._cut()
         self._ahead_bytes += len(piece)
         session = self._receiver.session
@@ -324,14 +324,14 @@ class Inbound:
                 self._events.append(event)
 
     def _leave(self) -> None:
-        """Drop what a client has left behind that nobody wants; it drives no more."""
+        """Drop what a client has left behind that nobody wants. It drives no more."""
         if self._left_s is None:
             self._left_s = time.monotonic()
             self._events = deque(filter(_is_lasting, self._events))
             self._overtaken = sys.maxsize
 
     def _cut(self) -> bytes:
-        """Take the next piece of what is not parsed; the first one ends with the HTTP request.
+        """Take the next piece of what is not parsed. The first one ends with the HTTP request.
 
         `websockets` would parse frames behind a request that is not answered yet.
         """

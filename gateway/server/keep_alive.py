@@ -49,7 +49,7 @@ PING: Final = SendPing()
 
 
 class KeepAlive:
-    """The times of one open connection; `check` is called every now and then."""
+    """The times of one open connection. `check` is called every now and then."""
 
     def __init__(self, limits: Limits, now_s: float) -> None:
         self._limits = limits

@@ -66,7 +66,7 @@ class Link:
         self._has_paused = True
 
     def read(self, reading: Reading, now_ns: int) -> None:
-        """Learn from a reading; they may come at any times."""
+        """Learn from a reading. They may come at any times."""
         last, self._last = self._last, reading
         # else some of what was on the way then still is, and there was no pause
         self._has_paused |= reading.acked_bytes - last.acked_bytes >= last.on_the_way_bytes

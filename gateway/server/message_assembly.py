@@ -18,7 +18,7 @@ class MessageAssembly:
         self._begins_text = False  # the one of which more frames have to come
 
     def add(self, frame: Frame) -> bytes | None:
-        """Take a data frame; return the message that it completes."""
+        """Take a data frame. Return the message that it completes."""
         data = bytes(frame.data)
         if frame.opcode is not Opcode.CONT:
             self.is_text = frame.opcode is Opcode.TEXT

@@ -22,7 +22,7 @@ class Pacing:
     """Says when a connection may write: while its socket takes, and its link is not full.
 
     *on_resumed* is called when it may again, *on_rate* gets the rate of the link in bytes per
-    second when it has changed; ``None`` when the link is fast again.
+    second when it has changed, or ``None`` when the link is fast again.
     """
 
     def __init__(

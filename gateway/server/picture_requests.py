@@ -24,7 +24,7 @@ MAX_PARAMETERS: Final = 16  # there are five, six that are ignored, and each is 
 
 
 class PictureRequestError(ValueError):
-    """Raised when an address asks for no picture that there can be; the text is for its author."""
+    """Raised when an address asks for no picture that there can be. The text is for its author."""
 
 
 class _Number(NamedTuple):

@@ -90,7 +90,7 @@ class Viewer:
             self._flushing = False
 
     def tick(self, now_s: float) -> None:
-        """Give up waiting for the only picture; let a stream wait on, with its head."""
+        """Give up waiting for the only picture. Let a stream wait on, with its head."""
         if self._has_begun or self._is_over or now_s - self._opened_s <= WAIT_S:
             return
         if self._is_single:
@@ -143,14 +143,14 @@ class Viewer:
         self._answer(self._protocol.reject(status, f"{text}\n"))
 
     def _answer(self, response: Response) -> None:
-        """Send the only response; the subscription ends when its topic has woken the others."""
+        """Send the only response. The subscription ends when its topic has woken the others."""
         self.end()
         asyncio.get_running_loop().call_soon(self._pictures.left, self._asker)
         self._asker.answer(response)
 
 
 class Pictures:
-    """The viewers of all topics; a limited number at a time."""
+    """The viewers of all topics. A limited number at a time."""
 
     def __init__(self, router: Router) -> None:
         self._router = router
@@ -177,7 +177,7 @@ class Pictures:
         identity: Identity,
         address: str,
     ) -> Response | None:
-        """Have pictures sent to who may see them; return a response if there will be none."""
+        """Have pictures sent to who may see them. Return a response if there will be none."""
         try:
             asked = picture_request(request.path)
         except PictureRequestError as error:

@@ -25,7 +25,7 @@ class ProtocolOutput:
         self._backlog_bytes = 0
 
     def write(self, output: Sequence[bytes], *, may_be_large: bool) -> bool:
-        """Write *output*; return whether too much of it waits for a peer that does not read.
+        """Write *output*. Return whether too much of it waits for a peer that does not read.
 
         An empty item is the end of all output.
         """

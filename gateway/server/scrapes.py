@@ -30,7 +30,7 @@ class Scrapes:
         self._task: asyncio.Task[None] | None = None
 
     def ask(self, identity: Identity, reply: Reply) -> None:
-        """Give *reply* the page that this client may see; ``None`` if that fails."""
+        """Give *reply* the page that this client may see, or ``None`` if that fails."""
         self._waiting.setdefault(identity.permissions, []).append(reply)
         if self._task is None:
             self._task = asyncio.get_running_loop().create_task(self._write_all())

@@ -72,7 +72,7 @@ TICK_S: Final = 0.25  # how exactly times are kept; 4 wake-ups a second are not 
 
 @dataclass(frozen=True, slots=True)
 class Door:
-    """A port to listen on, 0 for any free one; with *tls* clients need ``wss://`` there."""
+    """A port to listen on, 0 for any free one. With *tls* clients need ``wss://`` there."""
 
     port: int
     tls: ssl.SSLContext | None = None
@@ -119,7 +119,7 @@ class Server:
     async def listening(
         self, hosts: Sequence[str], *doors: Door
     ) -> AsyncIterator[list[list[tuple[str, int]]]]:
-        """Serve inside the context; yield of each door the addresses, all on its port.
+        """Serve inside the context. Yield of each door the addresses, all on its port.
 
         All share the clients, their limits and rules. A machine may have no IPv6: all *hosts* but
         the first may fail.
@@ -144,7 +144,7 @@ class Server:
     async def _open(
         self, door: Door, hosts: Sequence[str], listeners: list[asyncio.Server]
     ) -> list[tuple[str, int]]:
-        """Listen on a door, and add what does so to *listeners*; return its addresses."""
+        """Listen on a door, and add what does so to *listeners*. Return its addresses."""
         if door.tls is not None:
             log_failed_handshakes(door.tls)
         open_s = self.limits.open_timeout_s
@@ -246,7 +246,7 @@ class Server:
     # For connections: see `Acceptor`
 
     def arrive(self, connection: Connection) -> None:
-        """Add a connection; if too many are not clients yet, the greediest address loses one."""
+        """Add a connection. If too many are not clients yet, the greediest address loses one."""
         self._connections[connection] = None
         self._all_gone.clear()
         half_open = [other for other in self._connections if other.is_half_open]
@@ -299,7 +299,7 @@ class Server:
     def respond(
         self, connection: Connection, protocol: ServerProtocol, request: Request
     ) -> Response | None:
-        """Answer an HTTP request; ``None``: the connection gets its `answer` later."""
+        """Answer an HTTP request. ``None``: the connection gets its `answer` later."""
         return self._http.respond(protocol, request, connection)
 
     def malformed(self, start: bytes) -> bytes:
@@ -334,7 +334,7 @@ class Server:
         return session
 
     def reload(self, tokens: Tokens, policy: Policy) -> None:
-        """Go on with other tokens and permissions; see `Admission.reload`.
+        """Go on with other tokens and permissions. See `Admission.reload`.
 
         What a client had open ends at once: a robot must not wait for the closing handshake.
         """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options of a client's socket, where the kernel has them; Linux has all."""
+"""Options of a client's socket, where the kernel has them. Linux has all."""
 
 import contextlib
 import socket

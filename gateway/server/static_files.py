@@ -66,7 +66,7 @@ class StaticFiles:
 
     @classmethod
     def read(cls, root: Path, websocket_path: str) -> "StaticFiles":
-        """Read a folder; its pages learn where the WebSocket is."""
+        """Read a folder. Its pages learn where the WebSocket is."""
         files = {}
         for path in sorted(root.rglob("*")):
             if content_type := _TYPES.get(path.suffix):

@@ -24,7 +24,7 @@ _UNKNOWN_RTT_US: Final = 0xFFFFFFFF
 
 
 def read_tcp_info(sock: socket.socket | None) -> Reading | None:
-    """Return what the kernel knows; ``None`` if it does not say. It takes 1 to 3 us."""
+    """Return what the kernel knows, or ``None`` if it does not say. It takes 1 to 3 us."""
     if sock is None or _OPTION is None:
         return None
     try:

@@ -32,14 +32,14 @@ class TimeBudget:
         self._last_s = now_s
 
     def left_s(self, now_s: float) -> float:
-        """Return the seconds that may be spent; a negative number is a debt."""
+        """Return the seconds that may be spent. A negative number is a debt."""
         earned_s = (now_s - self._last_s) * self._share
         self._last_s = now_s
         self._left_s = min(self._most_s, self._left_s + earned_s)
         return self._left_s
 
     def spend(self, spent_s: float, now_s: float) -> float:
-        """Take away what was spent, which may be more than is left; return what is left."""
+        """Take away what was spent, which may be more than is left. Return what is left."""
         self._left_s = self.left_s(now_s) - spent_s
         return self._left_s
 
@@ -48,7 +48,7 @@ class TimeBudget:
         self._left_s = min(self._left_s, left_s)
 
     def wait_s(self, now_s: float) -> float:
-        """Return how long it takes until a slice is left; 0 if something is."""
+        """Return how long it takes until a slice is left. 0 if something is."""
         debt_s = -self.left_s(now_s)
         return (debt_s + REFILL_S) / self._share if debt_s > ROUNDING_S else 0.0
 
@@ -125,7 +125,7 @@ class Spending:
         self._address = self._budgets.join(address)
 
     def spend(self, spent_s: float, now_s: float) -> bool:
-        """Take away what this connection has spent; return whether something is left."""
+        """Take away what this connection has spent. Return whether something is left."""
         self._unsettled_s += spent_s
         if self._unsettled_s < SETTLE_S and not self._is_over:
             return True
@@ -150,7 +150,7 @@ class Spending:
         self._address.forget(self)
 
     def close(self, spent_s: float = 0.0) -> None:
-        """Take away what the end has taken, and end a wait; the address pays on."""
+        """Take away what the end has taken, and end a wait. The address pays on."""
         self._unsettled_s += spent_s
         self._settle(time.monotonic())
         self.stop_waiting()
@@ -167,7 +167,7 @@ class Spending:
 
 
 class TimeBudgets:
-    """The budgets of all addresses; they outlive the connections until they are full again."""
+    """The budgets of all addresses. They outlive the connections until they are full again."""
 
     def __init__(self, client_share: float, address_share: float) -> None:
         self.turns = Turns()

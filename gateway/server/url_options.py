@@ -12,11 +12,11 @@ from gateway.protocol.session import Session
 
 
 class UrlOptionError(ValueError):
-    """Raised when an address asks for something that is not there; the text is for the client."""
+    """Raised when an address asks for something that is not there. The text is for the client."""
 
 
 class UrlOptions(NamedTuple):
-    """The options of an address; ``None`` is for those that it leaves out."""
+    """The options of an address. ``None`` is for those that it leaves out."""
 
     images: ImageFormat | None
     status: Level | None  # as by `set_level`
@@ -45,7 +45,7 @@ def url_options(target: str) -> UrlOptions:
 
 
 def _one_of(known: Sequence[str], name: str, asked: dict[str, list[str]]) -> str | None:
-    """Return the last value of an option; ``None`` without it."""
+    """Return the last value of an option, or ``None`` without it."""
     if name not in asked:
         return None
     value = asked[name][-1]

@@ -90,8 +90,8 @@ def test_a_certificate_is_for_the_names_and_addresses_of_this_machine(home: Path
     ("arguments", "text"),
     [
         (("--lan", "--anyone-may-drive"), "access.anonymous_role: got a role, but every client"),
-        (("--tls-key", "k"), "tls.key: of no use without tls.cert"),
-        (("--tls-port", "0", "--tls-key", "k"), "tls.key: of no use without tls.cert"),
+        (("--tls-key", "k"), "tls.key: needs tls.cert, which is missing"),
+        (("--tls-port", "0", "--tls-key", "k"), "tls.key: needs tls.cert, which is missing"),
         (("--tls-cert", "/none.pem"), "tls.cert, tls.key: cannot read the files, no such file"),
         (("--tls-cert", "pyproject.toml"), "tls.cert: cannot use pyproject.toml, "),
         (("--set", "audit.file=/none/a"), "audit.file: cannot write /none/a, no such file"),

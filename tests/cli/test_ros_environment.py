@@ -97,7 +97,7 @@ def test_a_peer_that_nobody_knows_is_one_sentence_with_what_to_do():
     finished = ros2_gateway("serve", ROS_STATIC_PEERS="nobody.invalid")
     assert (finished.returncode, finished.stdout) == (2, "")
     sentence = finished.stderr.splitlines()[-1]  # first, it may tidy up after killed programs
-    assert sentence.endswith("nobody.invalid; mend its name in ROS_STATIC_PEERS, or take it out")
+    assert sentence.endswith("nobody.invalid. Correct its name in ROS_STATIC_PEERS, or remove it")
 
 
 @needs_namespaces

@@ -59,8 +59,8 @@ def test_a_key_of_former_versions_is_answered_by_the_one_that_replaced_it(key, t
         load([Given(key, "200", f"--set {key}")], {variable: "200"}, path)
     assert caught.value.problems == (
         f"unknown environment variable {variable}, {hint}",
-        f"{path}: unknown key {key}, {hint}",
-        f"--set {key}: unknown key {key}, {hint}",
+        f"{path}: unknown setting {key}, {hint}",
+        f"--set {key}: unknown setting {key}, {hint}",
     )
 
 
@@ -197,11 +197,11 @@ def test_an_unknown_key_is_refused_with_the_closest_one(tmp_path):
         "prt = 3\nmax_clients = 3\n[limits]\nmax_client = 3\n[sauce]\nx = 1\n[image]\nx = 1\n",
     )
     assert problems(file=path) == (
-        f"{path}: unknown key prt, did you mean port",
-        f"{path}: unknown key max_clients, did you mean limits.max_clients",
-        f"{path}: unknown key limits.max_client, did you mean limits.max_clients",
-        f"{path}: unknown key sauce",
-        f"{path}: unknown key image, did you mean images",
+        f"{path}: unknown setting prt, did you mean port",
+        f"{path}: unknown setting max_clients, did you mean limits.max_clients",
+        f"{path}: unknown setting limits.max_client, did you mean limits.max_clients",
+        f"{path}: unknown setting sauce",
+        f"{path}: unknown setting image, did you mean images",
     )
 
 
@@ -231,11 +231,11 @@ def test_a_file_that_is_missing_or_no_toml_is_one_sentence(tmp_path):
     assert problems(file=missing) == (f"cannot read {missing}, no such file or directory",)
     assert problems(file=tmp_path) == (f"cannot read {tmp_path}, is a directory",)
     (broken,) = problems(file=toml(tmp_path, "port 3"))
-    assert broken.startswith(f"{tmp_path / 'gateway.toml'} is no TOML: ")
+    assert broken.startswith(f"{tmp_path / 'gateway.toml'} is not valid TOML: ")
     latin = tmp_path / "latin.toml"
     latin.write_bytes(b'host = "\xe4"')
     (undecodable,) = problems(file=latin)
-    assert undecodable.startswith(f"{latin} is no TOML: ")
+    assert undecodable.startswith(f"{latin} is not valid TOML: ")
 
 
 def test_a_printed_configuration_reads_back_as_the_same(tmp_path):

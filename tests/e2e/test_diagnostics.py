@@ -75,7 +75,7 @@ async def test_ros_tools_see_each_component_and_when_something_is_wrong(outside:
                 await eventually(lambda count=count: len(monitor.heard) > count + 1)
         status = monitor.newest["ros2_gateway: drive /cmd_vel"]
         assert status["level"] == 1
-        assert "commands to move are refused until one of zero comes" in status["message"]
+        assert "send a zero command to drive again" in status["message"]
         await eventually(lambda: monitor.value("clients", "clients") == "0")
 
 

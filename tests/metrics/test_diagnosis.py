@@ -31,7 +31,7 @@ def test_all_is_well_with_a_gateway_that_has_little_to_do():
         ("guard", {"control": ControlState((), False, 2)}, ERROR, "lost"),
     ],
 )
-def test_what_is_wrong_has_a_level_and_words(
+def test_each_problem_has_a_level_and_a_text(
     component: str, changed: dict[str, Any], level: int, text: str
 ):
     found = of(component, summary(**changed))
@@ -43,11 +43,11 @@ def test_a_tripped_drive_says_why_and_what_to_do():
     drive = DRIVE._replace(is_tripped=True, cause="commands ceased", stops={"deadline": 3})
     found = of("drive /cmd_vel", summary(control=ControlState((drive,), True, 0)))
     assert found.level == WARN
-    assert found.text.startswith("stopped, commands ceased: commands to move are refused")
+    assert found.text.startswith("stopped, commands ceased: send a zero command")
     assert found.values["stops: deadline"] == 3
 
 
-def test_clients_that_lose_samples_now_are_named_and_those_that_lost_some_are_not():
+def test_only_clients_that_lose_messages_now_are_named():
     before = summary(
         clients=(
             client_state("a", dropped_by_full_queue=5),

@@ -180,7 +180,7 @@ class Wire(Timers):
         return self.transport.is_read and not (inbound or inbound._is_waiting or turns._is_due)
 
     def until_served(self) -> float:
-        """Do what is due until nothing of the client waits; return how long that was to wait."""
+        """Do what is due until nothing of the client waits. Return how long that was to wait."""
         waited_s = 0.0
         while not self.is_served:
             waited_s += self.next_turn()

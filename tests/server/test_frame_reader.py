@@ -29,7 +29,7 @@ SIZES = (0, 1, 5, 125, 126, MAX_BYTES, MAX_BYTES + 1, 65_535, 65_536)
 def frame(
     first: int, payload: bytes, *, is_masked: bool = True, length_bytes: int | None = None
 ) -> bytes:
-    """Return a frame as it is sent; its length takes 0, 2 or 8 bytes more, or as few as can be."""
+    """Return a frame as it is sent. Its length takes 0, 2 or 8 bytes more, or as few as can be."""
     size = len(payload)
     if length_bytes is None:
         length_bytes = 0 if size < 126 else 2 if size < 1 << 16 else 8
@@ -142,7 +142,7 @@ class Counted:
         receive(data)
 
     def passed_on(self, data: bytes) -> list[bytes]:
-        """Read *data*; return what of it was left to `websockets`."""
+        """Read *data*. Return what of it was left to `websockets`."""
         self.given.clear()
         self.reader.read(data)
         return self.given.copy()

@@ -52,7 +52,7 @@ class Simulation:
         self.link.read(Reading(self.acked, self.on_the_way, self.rtt_s), self.now_ns)
 
     def run(self, seconds: float, *, frame: int = 0, every_ms: int = 1) -> None:
-        """Let time pass; write a frame every so often if the window has room for it."""
+        """Let time pass. Write a frame every so often if the window has room for it."""
         for number in range(round(seconds * 1e9 / STEP_NS)):
             self.step()
             if not number % 5:

@@ -67,7 +67,7 @@ class Viewer:
         self.head = b""
 
     async def begin(self) -> bytes:
-        """Return the head of the response; of a stream the first boundary is taken with it."""
+        """Return the head of the response. Of a stream the first boundary is taken with it."""
         self.head = await self._until(b"\r\n\r\n")
         if b"multipart" in self.head:
             assert await self._until(NEXT.lstrip()) == NEXT.lstrip()

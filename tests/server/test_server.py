@@ -27,7 +27,7 @@ END = End("10.0.0.1#1", Why("network", "lost", "no closing handshake"), 1.0, 0)
 
 
 async def closing(speaker: Client) -> tuple[int, str]:
-    """Wait for the server to close; return the code and the reason."""
+    """Wait for the server to close. Return the code and the reason."""
     async with asyncio.timeout(TIMEOUT_S):
         with contextlib.suppress(ConnectionClosed):
             async for frame in speaker.socket:
@@ -594,7 +594,7 @@ def upgrade(*lines: str) -> bytes:
 
 
 async def status_of(served: Served, request: bytes) -> int:
-    """Send a request; return the status of the response, and see that it is the only one."""
+    """Send a request. Return the status of the response, and see that it is the only one."""
     reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
     writer.write(request)
     async with asyncio.timeout(TIMEOUT_S):

@@ -213,7 +213,7 @@ async def test_a_flood_of_failed_handshakes_leaves_a_bounded_number_of_lines(
 
 
 def distrust(port: int) -> None:
-    """Connect as browsers do, which say why they leave; asyncio does not."""
+    """Connect as browsers do, which say why they leave. Asyncio does not."""
     with socket.create_connection(("127.0.0.1", port)) as sock:
         ssl.create_default_context().wrap_socket(sock, server_hostname="localhost")
 

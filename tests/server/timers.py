@@ -22,7 +22,7 @@ class Handle:
 
 
 class Timers:
-    """The time, and what is due later; it goes on by `pass_time` and `next_turn` alone."""
+    """The time, and what is due later. It goes on by `pass_time` and `next_turn` alone."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, *modules: ModuleType) -> None:
         self.now_s = 1000.0
@@ -36,11 +36,11 @@ class Timers:
             monkeypatch.setattr(module, "asyncio", SimpleNamespace(get_running_loop=lambda: loop))
 
     def take(self, seconds: float) -> None:
-        """Let something take so long; nothing else happens meanwhile."""
+        """Let something take so long. Nothing else happens meanwhile."""
         self.now_s += seconds
 
     def next_turn(self) -> float:
-        """Do what is due next, at its time; return how long that was to wait for."""
+        """Do what is due next, at its time. Return how long that was to wait for."""
         handle = min(self.handles, key=lambda handle: handle.due_s)
         self.handles.remove(handle)
         wait_s = max(0.0, handle.due_s - self.now_s)
