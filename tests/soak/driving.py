@@ -33,7 +33,7 @@ class Fault:
     took_s: float
     """Until the first zero came."""
     bound_s: float
-    """Without what a busy machine takes: see docs/explanation/safety.md."""
+    """Without what a busy machine takes: see docs/reference/reaction-times.md."""
     moved_again: bool = False
     """It moved before the stick was let go of."""
 

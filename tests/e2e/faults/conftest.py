@@ -2,7 +2,7 @@
 """How often each fault is injected, how exact its bound is, and the table of what was measured.
 
 ``make faults REPEAT=20`` injects each 20 times, on an otherwise idle machine, with the
-bounds of docs/explanation/safety.md. Without, each is injected three times with bounds for a
+bounds of docs/reference/reaction-times.md. Without, each is injected three times with bounds for a
 machine that is busy.
 """
 
