@@ -61,7 +61,9 @@ class SimOptions:
 
     def __post_init__(self) -> None:
         if not _NAMESPACE.fullmatch(self.namespace):
-            raise ConfigError(f"namespace {self.namespace!r} is no ROS namespace")
+            raise ConfigError(
+                f"namespace {self.namespace!r} is not a ROS namespace, such as /robot1"
+            )
         if not 0.1 <= self.camera_hz <= _MAX_CAMERA_HZ:
             raise ConfigError(f"camera_hz {self.camera_hz:g} is not from 0.1 to 60 Hz")
         if self.seed is not None and self.seed < 0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: arguments to configuration to exit code; the only room that prints.
+"""The command line: from arguments and configuration to an exit code. Only this package prints.
 
 docs/contributing/architecture.md shows it among the others.
 """

@@ -2,6 +2,7 @@
 """The announcement of a gateway that listens: lines that can be pasted into clients, a QR code."""
 
 import io
+import os
 import shlex
 import socket
 import time
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 _WARNING: Final = "WARNING: "
-_NO_ADDRESS: Final = "no default route: `ip -br address` lists the addresses of what is up"
+_NO_ADDRESS: Final = "no default route: run `ip -br address` to see this machine's addresses"
 _WHO: Final = {"viewer": "watch", "operator": "drive the robot", "admin": "do everything"}
 
 
@@ -46,11 +47,11 @@ def own_page(listening: "Listening") -> str:
 
 
 def qr_text(listening: "Listening", addresses: Sequence[str]) -> str | None:
-    """Return the content of the QR code; ``None`` if there is no address for it.
+    """Return the content of the QR code, ``None`` if there is no address for it.
 
-    A phone's camera opens web addresses alone, not ``ws://``: this is the gateway's page, which
-    says how to connect. A token is in the fragment, which browsers send nowhere, and only where it
-    has just been made and stands beside the code in clear text.
+    A phone's camera opens only web addresses, not ``ws://``, so this is the address of a page. A
+    token is in the fragment, which browsers do not send. It is there only if it is new, because
+    then it also stands next to the code in clear text.
     """
     host = next((host for host in _hosts(listening, addresses) if host not in EVERYWHERE), None)
     if host is None:
@@ -98,7 +99,7 @@ def _lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[str]:
             yield f"listening on {_url(listening, host)}"
     if listening.tls_port is not None:
         page = _tls_page(listening, addresses)
-        yield f"  for VR, by TLS    {page}   the browser warns of its certificate, once"
+        yield f"  for VR, by TLS    {page}   the browser warns about its certificate once"
     if listening.posture.needs_token:
         yield from _token_lines(listening, addresses)
     elif listening.posture.is_open:
@@ -111,15 +112,15 @@ def _token_lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[s
     url = _url(listening, "localhost" if host in EVERYWHERE else host)
     why = "other machines can connect, so " if listening.posture.is_open else ""
     if listening.new_token:
-        yield f"{why}clients need a token; this operator's is new, and shown only once:"
+        yield f"{why}clients need a token. This one is for an operator, and shown only once:"
     elif listening.token_in:
-        yield f"{why}clients need a token; this operator's is new, and in {listening.token_in}"
+        yield f"{why}clients need a token. A new one, for an operator, is in {listening.token_in}"
     else:
-        yield f"{why}clients need a token; the hashes of valid ones are in {listening.tokens}"
+        yield f"{why}clients need a token. The hashes of the valid ones are in {listening.tokens}"
     yield f"  wscat   {_wscat(listening, url)}"
     token = f"in {listening.token_in}" if listening.token_in else listening.new_token or "TOKEN"
     yield f"  Unity   Address: {url}   Token: {token}"
-    yield "  more    ros2-gateway token create NAME --role viewer, then SIGHUP"
+    yield f"  more    ros2-gateway token create NAME --role viewer, then kill -HUP {os.getpid()}"
 
 
 def _wscat(listening: "Listening", url: str) -> str:

@@ -13,9 +13,9 @@ from gateway.errors import UsageError
 
 ROLES: Final = ("viewer", "operator", "admin")  # `gateway.config.access` would import pydantic
 
-# Keys with a flag of their own; every other key goes through --set.
+# Settings that have a flag. Every other setting goes through --set.
 CONFIG_FLAGS: Final = {
-    "--host": ("host", "ADDRESS", "address to listen on (default 127.0.0.1: this machine alone)"),
+    "--host": ("host", "ADDRESS", "address to listen on (default 127.0.0.1: only this machine)"),
     "--port": ("port", "PORT", "TCP port, 0 for any free one (default 9090)"),
     "--path": ("path", "PATH", "path of the WebSocket (default /)"),
     "--domain-id": ("ros.domain_id", "ID", "DDS domain (default: ROS_DOMAIN_ID, or else 0)"),
@@ -23,22 +23,22 @@ CONFIG_FLAGS: Final = {
     "--namespace": ("ros.namespace", "/NAME", "namespace of the gateway's nodes"),
     "--log-level": ("log.level", "LEVEL", "debug, info, warning or error (default info)"),
     "--log-format": ("log.format", "FORMAT", "text or json (default text)"),
-    "--tls-cert": ("tls.cert", "FILE", "certificate in PEM; then clients need wss://"),
+    "--tls-cert": ("tls.cert", "FILE", "certificate in PEM (clients then need wss://)"),
     "--tls-key": ("tls.key", "FILE", "its private key in PEM"),
     "--tls-port": (
         "tls.port",
         "PORT",
-        "a second port with TLS: for VR in a browser, https:// there",
+        "a second port with TLS, which VR in a browser needs (https://)",
     ),
 }
 # Flags without a value: the key, and the value that they set.
 CONFIG_SWITCHES: Final = {
-    "--lan": ("lan", "true", "listen on all networks; clients need a token"),
-    "--no-auth": ("access.authentication", "none", "ask nobody for a token; all may watch"),
+    "--lan": ("lan", "true", "listen on all networks (clients then need a token)"),
+    "--no-auth": ("access.authentication", "none", "need no token: every client may watch"),
     "--anyone-may-drive": (
         "access.anonymous_role",
         "operator",
-        "clients without a token may move the robot, too",
+        "also let clients without a token move the robot",
     ),
     "--no-qr": ("qr", "false", "show no QR code of the address"),
     "--use-sim-time": ("ros.use_sim_time", "true", "take ROS time from /clock"),
@@ -54,7 +54,7 @@ exit codes:
 
 
 def argument_parser() -> argparse.ArgumentParser:
-    """Build the parser; its namespace has ``command``, ``debug`` and the command's arguments."""
+    """Build the parser. Its namespace has ``command``, ``debug`` and the command's arguments."""
     parser = _Parser(
         prog="ros2-gateway",
         description="ROS 2 topics as JSON over a WebSocket (rosbridge protocol), both ways.",
@@ -94,7 +94,7 @@ def argument_parser() -> argparse.ArgumentParser:
             "demo",
             "serve the topics of a simulated robot, which runs along",
             "  ros2-gateway demo\n  ros2-gateway demo --lan --port 8080\n"
-            "  ros2-gateway demo --namespace /robot1   the robot's names and frames, too",
+            "  ros2-gateway demo --namespace /robot1   also for the names and frames of the robot",
         )
     )
     _add_sim(
@@ -129,9 +129,9 @@ def _add_commands_about_configuration(command: AddCommand) -> None:
     _add_check_config(
         command(
             "check-config",
-            "say whether the configuration is right",
+            "check the configuration",
             "  ros2-gateway check-config gateway.toml\n"
-            "  ros2-gateway check-config --keys      all there is to configure, as Markdown",
+            "  ros2-gateway check-config --keys      all settings, as Markdown",
         )
     )
     _add_token(
@@ -157,7 +157,7 @@ class _Parser(argparse.ArgumentParser):
     """A parser that reports a mistake in one sentence instead of a page of usage."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse; a flag that this command does not have is refused here, where others are known."""
+        """Parse, and refuse a flag that this command does not have: the others are known here."""
         parsed, unknown = super().parse_known_args(args, namespace)
         if unknown:
             flag = next((each for each in unknown if each.startswith("-")), "").partition("=")[0]
@@ -183,8 +183,8 @@ def _add_configuration(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group(
         "configuration",
         "A flag beats the environment (ROS2_GATEWAY_PORT, ROS2_GATEWAY_LIMITS__MAX_CLIENTS),\n"
-        "which beats the file, which beats the default; 'ros2-gateway check-config --keys'\n"
-        "lists all keys.",
+        "which beats the file, which beats the default. 'ros2-gateway check-config --keys'\n"
+        "lists all settings.",
     )
     group.add_argument(
         "--config", type=Path, metavar="FILE", help="TOML file (default: $ROS2_GATEWAY_CONFIG)"
@@ -198,7 +198,7 @@ def _add_configuration(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="any key, such as limits.max_clients=64; may be repeated",
+        help="any setting, such as limits.max_clients=64 (repeatable)",
     )
     group.add_argument(
         "--print-config",
@@ -208,9 +208,7 @@ def _add_configuration(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_demo(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--no-browser", action="store_true", help="open no page, where there is a desktop"
-    )
+    parser.add_argument("--no-browser", action="store_true", help="open no page, also on a desktop")
     _add_twist_stamped(parser.add_argument_group("robot"))
     _add_configuration(parser)
 
@@ -260,7 +258,7 @@ def _add_mock(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="TYPE",
-        help="only this type, by name or table number; may be repeated",
+        help="only this type, by name or number (repeatable)",
     )
     parser.add_argument("--no-publish", action="store_true", help="only print what arrives")
     parser.add_argument("--no-listen", action="store_true", help="only publish")
@@ -272,7 +270,7 @@ def _add_find(parser: argparse.ArgumentParser) -> None:
         type=seconds,
         default=1.5,
         metavar="SECONDS",
-        help="how long to listen for answers (default 1.5)",
+        help="seconds to listen for answers (default 1.5)",
     )
 
 
@@ -285,7 +283,7 @@ def _add_check_config(parser: argparse.ArgumentParser) -> None:
         help="TOML file (default: $ROS2_GATEWAY_CONFIG, if set)",
     )
     parser.add_argument(
-        "--keys", action="store_true", help="print all keys with their defaults and meanings"
+        "--keys", action="store_true", help="print all settings with their defaults and meanings"
     )
 
 
@@ -298,13 +296,13 @@ def _add_token(parser: argparse.ArgumentParser) -> None:
     )
     commands = parser.add_subparsers(dest="token_command", metavar="ACTION", required=True)
     create = commands.add_parser("create", help="make a token, shown once", allow_abbrev=False)
-    create.add_argument("name", metavar="NAME", help="who gets it: letters, digits and . _ -")
+    create.add_argument("name", metavar="NAME", help="such as tablet: letters, digits and . _ -")
     create.add_argument(
-        "--role", choices=ROLES, default="operator", help="what it permits (default operator)"
+        "--role", choices=ROLES, default="operator", help="its permissions (default operator)"
     )
     commands.add_parser("list", help="list names, roles and dates", allow_abbrev=False)
     revoke = commands.add_parser("revoke", help="revoke a token", allow_abbrev=False)
-    revoke.add_argument("name", metavar="NAME", help="whose it is")
+    revoke.add_argument("name", metavar="NAME", help="name of the token")
 
 
 def _add_cert(parser: argparse.ArgumentParser) -> None:
@@ -313,14 +311,12 @@ def _add_cert(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME",
-        help="a further host name or address of this machine; may be repeated",
+        help="a further host name or address of this machine (repeatable)",
     )
     parser.add_argument(
         "--folder",
         type=Path,
         metavar="FOLDER",
-        help="where to write cert.pem and key.pem (default: beside the token file)",
+        help="where to write cert.pem and key.pem (default: next to the token file)",
     )
-    parser.add_argument(
-        "--replace", action="store_true", help="replace the files, if there are such"
-    )
+    parser.add_argument("--replace", action="store_true", help="replace files that exist")

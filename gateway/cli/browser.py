@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Opens a page in the browser of whoever started the program, if there is a desktop."""
+"""Opens a page in the user's browser, if there is a desktop."""
 
 import os
 import sys
@@ -7,10 +7,10 @@ import threading
 
 
 def open_page(url: str) -> bool:
-    """Open a page, unless nobody sits there; return whether that is tried.
+    """Open a page if the output goes to a terminal of a desktop, and return whether that is tried.
 
-    Somebody does if the output goes to a terminal of a desktop. It is done in a thread: a browser
-    that starts may take seconds, and its failure is nobody's concern, as the address is printed.
+    It runs in a thread, because a browser may take seconds to start. Its failure does not matter,
+    because the address is also printed.
     """
     desktop = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if not desktop or not sys.stdout.isatty():

@@ -20,40 +20,40 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-VALID_DAYS: Final = 825  # Apple's devices take none that is valid for longer
+VALID_DAYS: Final = 825  # Apple's devices refuse certificates that are valid for longer
 
-_SIGNER: Final = "ros2-gateway"  # as the certificates that this machine has signed are named
+_SIGNER: Final = "ros2-gateway"  # how certificates that this machine has signed are named
 _HOW_TO_GET_IT: Final = (
     "making certificates needs the package cryptography: pip install 'ros2-json-gateway[tls]'"
 )
 
 
 def own_certificate(folder: Path) -> tuple[Path, Path]:
-    """Return the certificate and the key of this machine; they are made where they are needed.
+    """Return the certificate and the key of this machine, and make them if they are missing.
 
-    One that this machine has signed is replaced when it has expired, or is for none of the
-    machine's present addresses; another's is taken as it is.
+    A certificate that this machine has signed is replaced when it has expired, or when the machine
+    has other addresses now. Any other certificate stays as it is.
 
     Raises:
-        UsageError: as `make_certificate`; or a file there is no certificate.
+        UsageError: as `make_certificate`, or a file there is not a certificate.
     """
     cert, key = folder / "cert.pem", folder / "key.pem"
     why = _why_another(cert) if cert.exists() else "there was none"
     if why is not None:
         make_certificate(folder, (), replace=cert.exists())
-        logger.warning("signed a new certificate, %s, as %s; browsers ask once", cert, why)
+        logger.warning("signed a new certificate, %s, because %s: browsers ask once", cert, why)
     return cert, key
 
 
 def _why_another(path: Path) -> str | None:
-    """Return why a certificate serves no longer, or ``None``."""
+    """Return why a certificate is not usable, or ``None``."""
     with _cryptography():
         from cryptography import x509
     try:
         certificate = x509.load_pem_x509_certificate(path.read_bytes())
     except ValueError as error:
         raise UsageError(
-            f"{path} is no certificate in PEM; ros2-gateway cert --replace makes another"
+            f"{path} is not a certificate in PEM: run ros2-gateway cert --replace to make another"
         ) from error
     except OSError as error:
         raise UsageError(f"cannot read {path}, {system_reason(error)}") from error
@@ -68,7 +68,7 @@ def _why_another(path: Path) -> str | None:
 
 
 def make_certificate(folder: Path, names: Sequence[str], *, replace: bool = False) -> list[str]:
-    """Write ``cert.pem`` and ``key.pem``; return the names and addresses that they are for.
+    """Write ``cert.pem`` and ``key.pem``, and return the names and addresses that they are for.
 
     These are *names*, and those of this machine.
 
@@ -83,7 +83,7 @@ def make_certificate(folder: Path, names: Sequence[str], *, replace: bool = Fals
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         _write_pair(folder / "key.pem", key, folder / "cert.pem", certificate, replace=replace)
     except FileExistsError as error:
-        raise UsageError(f"{error.filename} exists, --replace makes another") from error
+        raise UsageError(f"{error.filename} exists: add --replace to make another") from error
     except OSError as error:
         path = error.filename or folder
         raise UsageError(f"cannot write {path}, {system_reason(error)}") from error
@@ -160,9 +160,9 @@ def _own_addresses() -> list[str]:
 def _write_pair(
     key_path: Path, key: bytes, cert_path: Path, certificate: bytes, *, replace: bool
 ) -> None:
-    """Write both files; a full disk leaves both as they were, as they begin under other names.
+    """Write both files. If the disk is full, both stay as they were.
 
-    A key that does not fit the certificate serves nobody.
+    They begin under other names, because a key that does not fit the certificate is useless.
     """
     new = {
         _new(key_path): (key_path, key, 0o600),

@@ -3,7 +3,7 @@
 
 The child's standard input is a pipe whose other end this process holds. When it closes, the child
 sends itself SIGINT. So the child ends however this process ends: orderly or by SIGKILL, when the
-kernel closes the pipe. The child has a process group of its own: Ctrl-C reaches the gateway alone,
+kernel closes the pipe. The child has a separate process group, so Ctrl-C reaches only the gateway,
 which closes its clients while the robot still runs.
 """
 
@@ -57,7 +57,7 @@ def with_robot(config: "Config") -> "Config":
 
 
 def lines_to_paste(config: "Config", *, twist_stamped: bool = False) -> str:
-    """Return what a newcomer may try; WSCAT and PAGE stand for how to connect."""
+    """Return lines that a newcomer can try. WSCAT and PAGE stand for how to connect."""
     namespace = _namespace(config)
     frames = f"{namespace.strip('/')}/" if namespace else ""
     lines = _HINT.replace("DRIVE", _DRIVE_STAMPED if twist_stamped else _DRIVE)
@@ -86,9 +86,9 @@ def require_free_port(host: str, port: int) -> None:
 
 
 def run(serve: Callable[[], int], robot: Sequence[str]) -> int:
-    """Serve while the command *robot* runs; return the exit code of *serve*.
+    """Serve while the command *robot* runs, and return the exit code of *serve*.
 
-    *serve* blocks until SIGINT or SIGTERM; it gets a SIGINT if the robot ends first. Call it on
+    *serve* blocks until SIGINT or SIGTERM. It gets a SIGINT if the robot ends first. Call it on
     the main thread.
 
     Raises:
@@ -146,5 +146,5 @@ def _namespace(config: "Config") -> str:
 
 
 def _interrupt_main_thread() -> None:
-    # Python's handlers run on the main thread; sent there, the signal also ends its system call
+    # Python's handlers run on the main thread. Sent there, the signal also ends its system call
     signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)

@@ -44,8 +44,8 @@ def lines(wait_s: float) -> list[str]:
     found = gateways(wait_s)
     if not found:
         raise GatewayError(
-            "no gateway has answered; those that listen on all networks do (serve --lan), unless"
-            " discoverable is false or a firewall stops UDP port 9090"
+            "no gateway has answered: start one with --lan, and allow UDP port 9090 in its firewall"
+            " (with discoverable=false, a gateway never answers)"
         )
     return [line(host, gateway) for host, gateway in found]
 

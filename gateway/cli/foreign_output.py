@@ -2,10 +2,10 @@
 """The output of libraries and child processes, as lines of the log.
 
 C code writes there by itself: Fast DDS its errors, rcutils an error within an error. A collector
-that expects JSON on each line would choke on those, so both descriptors become pipes while the
-gateway runs, and a thread for each turns what comes out into records. Between them stands the
-process of `gateway.cli.output_relay`: C code that holds the GIL while it writes to a full pipe
-would wait for ever for a thread of ours.
+that expects JSON on each line would fail on those. So both descriptors become pipes while the
+gateway runs, and a thread for each turns the output into records. Between them stands the process
+of `gateway.cli.output_relay`: C code that holds the GIL while it writes to a full pipe would wait
+forever for a thread of ours.
 """
 
 import contextlib
@@ -21,8 +21,8 @@ from typing import Final, TextIO
 
 from gateway.cli import output_relay
 
-MAX_LINE_BYTES: Final = 8192  # of a line; longer ones become several records
-# At the end, for what is in the pipes, if whoever reads our standard error takes nothing.
+MAX_LINE_BYTES: Final = 8192  # of a line, longer ones become several records
+# At the end, for the rest in the pipes, if the reader of our standard error takes nothing.
 DRAIN_S: Final = 0.5
 
 _STDIN: Final = 0
@@ -45,7 +45,7 @@ class OwnOutput:
 
 @contextlib.contextmanager
 def foreign_output_logged() -> Iterator[OwnOutput]:
-    """Log whatever is written to descriptors 1 and 2; lend the real ones.
+    """Log everything that is written to descriptors 1 and 2, and lend the real ones.
 
     The log must go to the real standard error.
     """

@@ -62,11 +62,13 @@ def generate(arguments: argparse.Namespace, environment: Mapping[str, str]) -> G
 
 def _check(arguments: argparse.Namespace) -> None:
     if arguments.wire != "json" and arguments.language != "typescript":
-        raise UsageError("--wire is for typescript alone")
+        raise UsageError("--wire works only with typescript")
     if arguments.complete and arguments.language != "csharp":
-        raise UsageError("--complete is for csharp alone")
+        raise UsageError("--complete works only with csharp")
     if arguments.asmdef and (arguments.language != "csharp" or arguments.output is None):
-        raise UsageError("--asmdef is for csharp with --output: it is a file beside the classes")
+        raise UsageError(
+            "--asmdef works only with csharp and --output: it is a file next to the classes"
+        )
     if arguments.source is None and (arguments.token or arguments.ca or arguments.timeout):
         raise UsageError("--token, --ca and --timeout are for a running gateway: name it by --from")
     if arguments.source is not None and (arguments.types_path or arguments.config):
@@ -102,7 +104,7 @@ def _local(arguments: argparse.Namespace, environment: Mapping[str, str]) -> _Fo
             shown.add(requested)
             continue
         if requested.startswith("/"):
-            text = f"{requested} is no type: a gateway, named by --from, knows those of names"
+            text = f"{requested} is a name, not a type: a gateway knows its type, named by --from"
             raise UsageError(text)
         name = known.resolve(requested)
         try:
@@ -153,7 +155,7 @@ def _check_assembly(folder: Path, name: str) -> None:
     other = next((p.name for p in folder.glob("*.asmdef") if p.name != f"{name}.asmdef"), None)
     if other is not None:
         raise UsageError(
-            f"{folder} has {other}, and Unity takes one assembly in a folder: name that one, or "
+            f"{folder} has {other}, and Unity allows one assembly in a folder: name that one, or "
             "choose another --output"
         )
 

@@ -30,14 +30,16 @@ if TYPE_CHECKING:
     from gateway.config.settings import Given, Loaded
     from schemas.installed import InstalledDefinitions
 
-_interrupted: Final = threading.Event()  # by a signal; an import may have lost the exception
+_interrupted: Final = (
+    threading.Event()
+)  # by a signal, because an import may have lost the exception
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run ``ros2-gateway`` with *argv* (default: this process's) and return its exit code."""
     _interrupted.clear()
-    # Until a subcommand handles signals itself, they must end the process just as quietly; and a
-    # shell that starts us in the background has set SIGINT to be ignored.
+    # Until a subcommand handles signals itself, they must end the process just as quietly. A shell
+    # that starts us in the background has set SIGINT to be ignored.
     for signal_number in ENDING:
         signal.signal(signal_number, _interrupt)
     arguments = argparse.Namespace(debug=False, log_format=None)
@@ -92,7 +94,7 @@ def _configuration(arguments: argparse.Namespace) -> "Loaded":
     from gateway.config.settings import load
 
     loaded = load(_given(arguments), os.environ, arguments.config)
-    arguments.log_format = loaded.config.log.format  # of errors, too, from now on
+    arguments.log_format = loaded.config.log.format  # also of errors, from now on
     return loaded
 
 
@@ -132,7 +134,7 @@ def _print_config(loaded: "Loaded") -> int:
 
 @contextmanager
 def _log_output(loaded: "Loaded") -> "Iterator[OwnOutput | None]":
-    """Begin the log; with JSON, lend the outputs that are for JSON alone."""
+    """Begin the log. With JSON, lend the outputs, which are then only for JSON."""
     from gateway.cli.logs import configure_logging
 
     log = loaded.config.log
@@ -158,7 +160,7 @@ def _announce_in_json(listening: "Listening", own: "OwnOutput", lines: str) -> N
         # without the text, which may contain a token: the log goes to /rosout as well
         logging.getLogger("gateway").warning("cannot write standard output, %s", why)
         write_elsewhere(text, own.stderr)
-    # rclpy has turned it on for a descriptor that is a pipe to this process, where it would be lost
+    # rclpy has turned it on for a descriptor that is a pipe to this process, which would lose it
     faulthandler.enable(own.stderr)
 
 
@@ -205,7 +207,7 @@ def _run_gateway(
             try:
                 if hint:
                     show(announcement.filled(hint, listening))
-            except BrokenPipeError:  # as above, where it ends the gateway, too
+            except BrokenPipeError:  # as above, where it also ends the gateway
                 discard_output()
                 signal.raise_signal(signal.SIGTERM)
 
@@ -222,7 +224,7 @@ def _run_gateway(
 
 
 def _with_certificate(config: "Config") -> "Config":
-    """Return a configuration in which a port for TLS has a certificate, this machine's own."""
+    """Return a configuration in which a port for TLS has a certificate: this machine's, if none."""
     if config.tls.port is None or config.tls.cert is not None or config.tls.key is not None:
         return config
     from gateway.access.token_file import default_path
@@ -234,7 +236,7 @@ def _with_certificate(config: "Config") -> "Config":
 
 
 def _without_own_certificate(config: "Config") -> "Config":
-    """Return a configuration to look at, which needs none of what `serve` would make."""
+    """Return a configuration to check, without files that only `serve` would make."""
     if config.tls.cert is not None:
         return config
     return config.model_copy(update={"tls": config.tls.model_copy(update={"port": None})})
@@ -255,7 +257,7 @@ def _demo(arguments: argparse.Namespace) -> int:
     for port in (config.port, config.tls.port):
         if port is not None:
             demo.require_free_port(posture_of(config).hosts[0], port)
-    # the robot on this desk is nobody else's business; read when the middleware starts
+    # The robot on this desk is not for the network. The middleware reads this when it starts.
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
     hint = demo.lines_to_paste(config, twist_stamped=arguments.twist_stamped)
@@ -366,9 +368,9 @@ def _token(arguments: argparse.Namespace) -> int:
             try:
                 print(text, flush=True)
             except OSError:
-                tokens.revoke(path, arguments.name)  # nobody will ever know it
+                tokens.revoke(path, arguments.name)  # nobody has read it
                 raise
-            note = f"the token of {arguments.name}, {arguments.role}, shown only this once"
+            note = f"the token of {arguments.name}, {arguments.role}, is shown only this once"
         case "revoke":
             tokens.revoke(path, arguments.name)
             note = f"the token of {arguments.name} is revoked"
@@ -376,7 +378,7 @@ def _token(arguments: argparse.Namespace) -> int:
             for line in tokens.listed(path):
                 print(line)
             return EXIT_OK
-    print(f"{note}; a running gateway takes {path} over on SIGHUP", file=sys.stderr)
+    print(f"{note}. A running gateway reads {path} again on kill -HUP", file=sys.stderr)
     return EXIT_OK
 
 
@@ -387,9 +389,8 @@ def _cert(arguments: argparse.Namespace) -> int:
     folder = arguments.folder or default_path(os.environ).parent
     subjects = make_certificate(folder, arguments.name, replace=arguments.replace)
     cert, key = folder / "cert.pem", folder / "key.pem"
-    print(
-        f"a certificate for {', '.join(subjects)}; serve with\n  --tls-cert {cert} --tls-key {key}"
-    )
+    print(f"a certificate for {', '.join(subjects)}. To use it, serve with")
+    print(f"  --tls-cert {cert} --tls-key {key}")
     return EXIT_OK
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Standard output, which may be a pipe that somebody closed, or a disk that is full."""
+"""Standard output, which may be a closed pipe or a full disk."""
 
 import contextlib
 import os
@@ -10,16 +10,16 @@ from gateway.errors import system_reason
 
 
 def announce(text: str) -> None:
-    """Print what people need for a start; a full disk does not hinder it."""
+    """Print what people need for a start, even if the disk is full."""
     why = write(text, sys.stdout)
     if why is not None:
         write_elsewhere(f"ros2-gateway: cannot write this, {why}: {text}", sys.stderr)
 
 
 def write(text: str, stream: TextIO) -> str | None:
-    """Write what people need for a start; return why it cannot be written, or ``None``.
+    """Write what people need for a start, and return why it cannot be written, or ``None``.
 
-    A stream that cannot be written leads to nowhere from then on: the gateway serves all the same.
+    A stream that cannot be written is discarded from then on, and the gateway still serves.
 
     Raises:
         BrokenPipeError: the reader of the stream has closed it.
@@ -35,14 +35,14 @@ def write(text: str, stream: TextIO) -> str | None:
 
 
 def write_elsewhere(text: str, stream: TextIO) -> None:
-    """Write a text that another stream did not take; this one may be on the same disk."""
+    """Write a text that another stream did not take. This one may be on the same disk."""
     with contextlib.suppress(OSError):
         stream.write(f"{text}\n")  # at once: other threads write records of the log there
         stream.flush()
 
 
 def discard_output(stream: TextIO | None = None) -> None:
-    """Write to nowhere from now on, also what waits: at its end Python would fail to write it."""
+    """Discard the output from now on, also what waits: at its end Python would fail to write it."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, (stream or sys.stdout).fileno())
     os.close(nowhere)

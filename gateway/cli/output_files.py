@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Generated files in somebody's folder, where other files must not be harmed."""
+"""Generated files in a user's folder, where other files must not be harmed."""
 
 from collections.abc import Collection, Mapping
 from fnmatch import fnmatch
@@ -19,11 +19,10 @@ def write_files(
     replace: bool = False,
     optional: Collection[str] = (),
 ) -> list[Path]:
-    """Write texts by their paths below a folder; return the paths of the files that have changed.
+    """Write texts by their paths below a folder, and return the paths of the files that changed.
 
-    A file without *mark* in its first lines is somebody else's: nothing is written if there is one,
-    unless they may be replaced. Of those whose names fit one of the patterns *optional*, those of
-    others are left as they are.
+    A file without *mark* in its first lines is foreign. If there is one, nothing is written, unless
+    *replace* is set. A foreign file whose name fits one of the patterns *optional* stays as it is.
 
     Raises:
         UsageError: files would be overwritten, or something else is in their place.
@@ -53,7 +52,7 @@ def write_files(
 
 
 def made_files(folder: Path, pattern: str, mark: str) -> list[Path]:
-    """Return the files of a folder that have *mark*; none of a folder that is not there.
+    """Return the files of a folder that have *mark*, and none if the folder is missing.
 
     Raises:
         GatewayError: a file cannot be read.
@@ -68,6 +67,6 @@ def _is_foreign(path: Path, mark: str) -> bool:
     if not path.exists():
         return False
     if not path.is_file():  # a pipe would be waited for, a folder cannot be replaced either
-        raise UsageError(f"{path} is no file: choose another --output")
+        raise UsageError(f"{path} is not a file: choose another --output")
     with path.open("rb") as file:
         return mark.encode() not in file.read(_HEAD_BYTES)

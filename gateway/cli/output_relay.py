@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """A process that takes what libraries write, at any time, and hands it on when the gateway reads.
 
-C code may hold the GIL while it writes: to a pipe that a thread of its own process reads, it would
-wait for ever once the pipe is full. This process reads the pipe instead, and keeps what the gateway
-does not take yet. Standard input says when to end: it closes when the gateway ends, however that
-happens. Then what is in the pipes is handed on, and children of the gateway that live on hold up
-nothing.
+C code may hold the GIL while it writes. If a thread of the same process read the pipe, such code
+would wait forever once the pipe is full. This process reads the pipe instead, and keeps what the
+gateway does not take yet. Standard input closes when the gateway ends, however that happens. Then
+this process hands on the rest in the pipes and ends, even if children of the gateway live on.
 
 Run as a script: it imports nothing that is not needed, and nothing of the gateway.
 """
@@ -15,7 +14,7 @@ import select
 import signal
 import sys
 
-MAX_WAITING_BYTES = 1024**2  # some 10,000 lines while the gateway is busy with something else
+MAX_WAITING_BYTES = 1024**2  # about 10,000 lines while the gateway is busy with something else
 _CHUNK_BYTES = 65536  # all that a pipe holds
 _STDIN = 0
 
@@ -80,7 +79,7 @@ class Channel:
     def _give(self, sink: int) -> None:
         try:
             del self._waiting[: os.write(sink, self._waiting[:_CHUNK_BYTES])]
-        except OSError:  # no room; or nobody reads, which is the next event
+        except OSError:  # no room, or no reader, which is the next event
             return
 
     def _say_what_is_lost(self) -> None:

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A connection to a running gateway for a command that asks it one thing after another.
 
-By the client of `websockets` for asyncio, though nothing here happens side by side: the one for
-threads reads and writes a TLS connection from two of them at once, which OpenSSL does not allow. Of
-2500 handshakes on Python 3.11 it lost four, and this one none of 3000.
+It uses the asyncio client of `websockets`, although nothing here runs concurrently. The client for
+threads reads and writes a TLS connection from two threads at once, which OpenSSL does not allow.
 """
 
 import asyncio
@@ -33,7 +32,7 @@ _MAX_REASON: Final = 300  # characters of a refusal in words
 _BAD_ADDRESS: Final = "--from: got {!r}, expected ws://HOST:PORT or wss://HOST:PORT"
 _NEEDS_TOKEN: Final = frozenset({401, 403})
 
-# what websockets would write about the other side's faults, with stacks
+# websockets would write the other side's faults to it, with stacks
 _silent = logging.getLogger(f"{__name__}.websockets")
 _silent.disabled = True
 
@@ -64,7 +63,7 @@ class RemoteConnection:
         """Send an operation and return the frame that answers it.
 
         Raises:
-            UsageError: the gateway refuses it; the text has its words.
+            UsageError: the gateway refuses it, and the text says why.
             GatewayError: no answer comes in time, or the connection is lost.
         """
         self._asked += 1
@@ -72,7 +71,7 @@ class RemoteConnection:
             answer = self._runner.run(self._answer(json.dumps({**question, "id": self._asked})))
         except TimeoutError as error:
             waited = f"no answer within {self._gateway.timeout_s:g} s"
-            hint = "--timeout allows more, and rosbridge gives none"
+            hint = "raise --timeout, but rosbridge never answers this"
             raise self._failed(f"{waited}: {hint}") from error
         except ConnectionClosed as error:
             raise self._failed(_closing_words(error)) from error
@@ -83,7 +82,7 @@ class RemoteConnection:
         return answer
 
     async def _answer(self, question: str) -> dict[str, Any]:
-        """Return the frame with the id of the question; others are about something else."""
+        """Return the frame with the id of the question, and skip others."""
         async with asyncio.timeout(self._gateway.timeout_s):
             await self._socket.send(question)
             while True:
@@ -91,14 +90,16 @@ class RemoteConnection:
                 try:
                     value = json.loads(frame)
                 except (ValueError, RecursionError) as error:
-                    raise self._failed("its answer is no JSON: is it a gateway?") from error
+                    raise self._failed(
+                        "its answer is not JSON: check that it is a gateway"
+                    ) from error
                 if isinstance(value, dict) and value.get("id") == self._asked:
                     return value
 
     def _refused(self, reason: object, *, is_forbidden: bool) -> UsageError:
         words = _printable(str(reason))
         needs_token = is_forbidden and self._gateway.token is None
-        hint = f"; --token or {TOKEN_VARIABLE} may have a token" if needs_token else ""
+        hint = f". To send a token, use --token or {TOKEN_VARIABLE}" if needs_token else ""
         return UsageError(f"{self._gateway.url}: {words}{hint}")
 
     def _failed(self, reason: str) -> GatewayError:
@@ -110,7 +111,7 @@ def connected(gateway: Gateway) -> Iterator[RemoteConnection]:
     """Connect to a gateway until the context ends.
 
     Raises:
-        UsageError: the address is no WebSocket's, or the certificate cannot be read.
+        UsageError: the address is not that of a WebSocket, or the certificate cannot be read.
         GatewayError: nobody can be reached there, or the client is not let in.
     """
     with asyncio.Runner() as runner:
@@ -137,14 +138,14 @@ async def _opened(gateway: Gateway) -> ClientConnection:
             ssl=tls,
             additional_headers=headers,
             open_timeout=max(0.0, deadline_s - time.monotonic()),
-            ping_interval=None,  # each answer has a time of its own
+            ping_interval=None,  # each answer has a separate timeout
             close_timeout=1,
             max_size=MAX_ANSWER_BYTES,
             proxy=None,
             logger=_silent,
         )
     except TimeoutError as error:
-        reason = f"no connection within {gateway.timeout_s:g} s: --timeout allows more"
+        reason = f"no connection within {gateway.timeout_s:g} s: raise --timeout"
         raise GatewayError(f"{url}: {reason}") from error
     except InvalidStatus as error:
         raise GatewayError(f"{url}: {_refusal(error)}") from error
@@ -166,7 +167,7 @@ def _headers(gateway: Gateway) -> dict[str, str]:
     if token is None:
         return {}
     if not (token.isascii() and token.isprintable() and " " not in token):
-        raise UsageError(f"--token, {TOKEN_VARIABLE}: a token has printable ASCII without blanks")
+        raise UsageError(f"--token, {TOKEN_VARIABLE}: a token has printable ASCII without spaces")
     return {"Authorization": f"Bearer {token}"}
 
 
@@ -179,7 +180,7 @@ def _tls(gateway: Gateway) -> ssl.SSLContext | None:
         return ssl.create_default_context(cafile=gateway.ca)
     except OSError as error:
         is_ssl = isinstance(error, ssl.SSLError)
-        reason = "no certificate in PEM" if is_ssl else system_reason(error)
+        reason = "not a certificate in PEM" if is_ssl else system_reason(error)
         raise UsageError(f"--ca: {gateway.ca}: {reason}") from error
 
 
@@ -189,7 +190,7 @@ def _refusal(error: InvalidStatus) -> str:
     said = _printable(f"{status} {error.response.reason_phrase}")
     if words and "<" not in words:
         said += f", {_printable(words)}"
-    hint = f"; --token or {TOKEN_VARIABLE} may have a token" if status in _NEEDS_TOKEN else ""
+    hint = f". To send a token, use --token or {TOKEN_VARIABLE}" if status in _NEEDS_TOKEN else ""
     return f"the handshake is refused: {said}{hint}"
 
 
@@ -206,7 +207,7 @@ def _unreachable(error: Exception) -> str:
 
 
 def _printable(words: str) -> str:
-    """Return the words of somebody who may be no gateway for a terminal: one line, not long."""
+    """Return words that may not come from a gateway, safe for a terminal: one short line."""
     return "".join(c if c.isprintable() else " " for c in words[:_MAX_REASON])
 
 

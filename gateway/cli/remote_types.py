@@ -19,7 +19,7 @@ from schemas.definition import DefinitionError
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.interface import Interface
 
-_NUMBER: Final = re.compile(r"[0-9]{1,9}")  # of the message table
+_NUMBER: Final = re.compile(r"[0-9]{1,9}")  # in the list of message types
 MAX_TYPES: Final = 5000  # a large robot has 2000
 _NAME: Final = r"[a-z][a-z0-9_]{0,99}/(msg|srv|action)/[A-Z][A-Za-z0-9]{0,99}"
 
@@ -44,7 +44,7 @@ def remote_types(
 ) -> Iterator[tuple[InstalledDefinitions, Mapping[str, Sequence[str]]]]:
     """Fetch what *requested* names, with all nested types, until the context ends.
 
-    It takes the names of types, of topics, services and actions, numbers of the message table, and
+    It takes the names of types, topics, services and actions, numbers of message types, and
     patterns. The second result has the full names of the types by what was requested.
 
     Raises:
@@ -70,7 +70,7 @@ class _Fetched:
         self.definitions = InstalledDefinitions([folder])
 
     def named(self, requested: str) -> list[str]:
-        """Fetch one type, or those that a pattern stands for; return their full names."""
+        """Fetch one type, or those that a pattern stands for, and return their full names."""
         if not is_pattern(requested):
             return [self._fetch(requested)]
         names = matching(requested, self._listed())

@@ -33,7 +33,7 @@ _REMEDIES: Final = {
 
 
 def report(error: Exception, arguments: argparse.Namespace) -> int:
-    """Report an error, each mistake in one sentence; return its exit code."""
+    """Report an error, each mistake in one sentence, and return its exit code."""
     match error:
         case ConfigError():
             sentences, code = error.problems, EXIT_USAGE
@@ -48,12 +48,12 @@ def report(error: Exception, arguments: argparse.Namespace) -> int:
         case OSError(errno=errno.ENOSPC):
             discard_output()
             sentences, code = (f"cannot write the output, {system_reason(error)}",), EXIT_FAILURE
-        case OSError():  # the machine's fault, whatever was going on
+        case OSError():  # of the machine, not of the program
             where = f", at {error.filename}" if error.filename else ""
-            remedy = _REMEDIES.get(error.errno or 0, "--debug shows where")
+            remedy = _REMEDIES.get(error.errno or 0, "add --debug to see where")
             sentences, code = (f"{system_reason(error)}{where}: {remedy}",), EXIT_FAILURE
         case _:
-            bug = f"internal error, {type(error).__name__}: {error} (--debug shows where)"
+            bug = f"internal error, {type(error).__name__}: {error} (add --debug to see where)"
             sentences, code = (bug,), EXIT_FAILURE
     (_write_json if arguments.log_format == "json" else _write)(sentences, arguments)
     return code

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The environment variables that ROS itself reads, checked before it does.
 
-ROS takes what it does not understand for something else, in silence or with a line that nobody
-reads, and ends the process where it cannot load its middleware.
+If ROS does not understand a value, it uses another one, with at most a line in its output. If it
+cannot load its middleware, it ends the process.
 """
 
 import os
@@ -24,8 +24,8 @@ _PEER: Final = re.compile(r"[0-9A-Za-z.:_%-]{1,255}")  # rmw keeps so many chara
 # 33 are open at rest, and a few more during the start.
 MIN_OPEN_FILES: Final = 48
 
-# Loading the middleware takes a quarter of a second; a busy machine takes longer, and a check that
-# is not over by then must not keep a gateway from starting.
+# Loading the middleware takes a quarter of a second, and longer on a busy machine. A check that is
+# not over by then must not keep a gateway from starting.
 _LOADING_S: Final = 60
 _LOAD: Final = "try:\n import rclpy\nexcept ImportError:\n pass"  # that is reported elsewhere
 
@@ -84,24 +84,24 @@ def _wrong_domain() -> Iterator[str]:
 def _wrong_discovery() -> Iterator[str]:
     given = _given("ROS_AUTOMATIC_DISCOVERY_RANGE")
     if given not in {"", *_RANGES}:
-        text = f"{', '.join(_RANGES[:-1])} or {_RANGES[-1]}; unset it for {_RANGES[0]}"
+        text = f"{', '.join(_RANGES[:-1])} or {_RANGES[-1]}, or unset it for {_RANGES[0]}"
         yield f"ROS_AUTOMATIC_DISCOVERY_RANGE: got {given!r}, expected {text}"
     given = _given("ROS_LOCALHOST_ONLY")
     if given not in {"", "0", "1"}:
         yield (
-            f"ROS_LOCALHOST_ONLY: got {given!r}, expected 0 or 1;"
-            " ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST has taken its place"
+            f"ROS_LOCALHOST_ONLY: got {given!r}, expected 0 or 1: better"
+            " unset it, and use ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST"
         )
     given = _given("ROS_STATIC_PEERS")
     if not all(_PEER.fullmatch(peer) for peer in given.split(";") if peer):
         yield (
-            f"ROS_STATIC_PEERS: got {given!r}, expected host names or addresses with ; between"
-            " them, without blanks, such as '192.168.1.7;robot.lan'"
+            f"ROS_STATIC_PEERS: got {given!r}, expected host names or addresses, separated by"
+            " semicolons and without spaces, such as `'192.168.1.7;robot.lan'`"
         )
 
 
 def _missing_middleware() -> Iterator[str]:
-    """Try in a process of its own: rcl ends the process that cannot load what is asked for."""
+    """Try it in a separate process, because rcl ends a process that cannot load its middleware."""
     given = _given("RMW_IMPLEMENTATION")
     if not given:
         return
@@ -116,7 +116,7 @@ def _missing_middleware() -> Iterator[str]:
     if finished.returncode:
         installed = " or ".join(_installed_middleware()) or "none is installed"
         yield (
-            f"RMW_IMPLEMENTATION: got {given!r}, which ROS cannot load here, expected {installed};"
+            f"RMW_IMPLEMENTATION: got {given!r}, which ROS cannot load here, expected {installed}:"
             " unset it for the default, or install that package"
         )
 

@@ -22,7 +22,7 @@ logger = logging.getLogger("gateway")
 
 
 def create(path: Path, name: str, role: Role) -> str:
-    """Make a token and keep its hash; return the token.
+    """Make a token, keep its hash, and return the token.
 
     Raises:
         UsageError: the name is taken or not one, or the file is unusable.
@@ -67,9 +67,9 @@ def listed(path: Path) -> Iterator[str]:
 
 
 def kept_from_logs(listening: "Listening", stdout: TextIO) -> "Listening":
-    """Put a new token into a file if *stdout* is no terminal: it may be a log that others read.
+    """Put a new token into a file if *stdout* is not a terminal: it may be a log that others read.
 
-    If the file cannot be written the token is shown all the same, as nobody would ever know it.
+    If the file cannot be written, the token is still shown, because it would be lost otherwise.
     """
     if listening.new_token is None or stdout.isatty():
         return listening

@@ -25,7 +25,7 @@ def add_commands_about_types(command: AddCommand) -> None:
             "schema",
             "print the JSON Schema of a message, service or action type",
             "  ros2-gateway schema geometry_msgs/msg/Twist\n"
-            "  ros2-gateway schema 1              the same by its number in the message table\n"
+            "  ros2-gateway schema 1              the same by its number\n"
             "  ros2-gateway schema std_srvs/srv/SetBool\n"
             "  ros2-gateway schema std_msgs/Header --definition\n"
             "  ros2-gateway schema my_msgs/Cargo --types-path ~/ws/src",
@@ -50,7 +50,7 @@ def _add_schema(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "type",
         metavar="TYPE",
-        help="pkg/msg/Name, pkg/srv/Name, pkg/action/Name, pkg/Name or a number of the table",
+        help="pkg/msg/Name, pkg/srv/Name, pkg/action/Name, pkg/Name, or a number",
     )
     parser.add_argument(
         "--definition", action="store_true", help="print the text of its definition instead"
@@ -67,10 +67,10 @@ def _add_generate(parser: argparse.ArgumentParser) -> None:
         metavar="TYPE",
         nargs="+",
         help="a type as for 'schema', 'pkg/*' for all of a package, 'pkg/srv/*' for its services, "
-        "or '*'; with --from also the name of a topic, a service or an action. Nested types come "
+        "or '*'. With --from, also the name of a topic, a service or an action. Nested types come "
         "along",
     )
-    _add_sources(parser.add_argument_group("where the definitions are", _SOURCES))
+    _add_sources(parser.add_argument_group("sources of definitions", _SOURCES))
     parser.add_argument(
         "--output",
         type=folder,
@@ -108,13 +108,13 @@ def _add_folders(group: argparse._ActionsContainer) -> None:  # its only name
         action="append",
         default=[],
         metavar="DIR",
-        help="folder of definitions, such as the src of a workspace; may be repeated",
+        help="folder of definitions, such as the src of a workspace (repeatable)",
     )
     group.add_argument(
         "--config",
         type=Path,
         metavar="FILE",
-        help="TOML file whose types.paths count, too (default: $ROS2_GATEWAY_CONFIG)",
+        help="TOML file whose types.paths also count (default: $ROS2_GATEWAY_CONFIG)",
     )
 
 

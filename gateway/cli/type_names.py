@@ -16,7 +16,7 @@ _PATTERN: Final = re.compile(
 
 
 class TypeNames:
-    """Finds the full names of types: of those in some definitions, or in the message table."""
+    """Finds the full names of types, in some definitions or in the list of message types."""
 
     def __init__(self, definitions: InstalledDefinitions) -> None:
         self._definitions = definitions
@@ -25,10 +25,10 @@ class TypeNames:
         self._known = {*self._table.by_name, *rows, *definitions.all_names()}
 
     def resolve(self, requested: str) -> str:
-        """Return the full name for a name or a number of the table; it may be unknown.
+        """Return the full name for a name or a number, which may be unknown.
 
         Raises:
-            UsageError: it is not a type name; with the type that is meant, if that can be guessed.
+            UsageError: it is not a type name. The text has the nearest one, if there is one.
         """
         try:
             return resolve_any(requested, self._table, self._known)
@@ -36,9 +36,9 @@ class TypeNames:
             raise UsageError(f"{error}{self._meant(error)}") from error
 
     def nearest(self, name: str) -> str | None:
-        """Guess the type that an unknown full name means; None for a known one.
+        """Guess the type that an unknown full name means, and return ``None`` for a known one.
 
-        Of a known name, something is missing that no other name mends.
+        A known name lacks something else, and no other name helps.
         """
         if name in self._known:
             return None
@@ -51,7 +51,7 @@ class TypeNames:
             return f", did you mean {near}"
         if error.requested.startswith("/"):  # a topic, a service or an action
             frame = f'{{"op":"describe","type":"{error.requested}"}}'
-            return f"; a running gateway knows the types of names, send it {frame}"
+            return f". A running gateway knows the types of names: send it {frame}"
         return ""
 
 
@@ -64,7 +64,7 @@ def matching(pattern: str, names: Iterable[str]) -> list[str]:
     """Return those of *names* that a pattern stands for.
 
     Raises:
-        UsageError: there are none; with the package that is meant, if that can be guessed.
+        UsageError: nothing fits. The text has the nearest package, if there is one.
     """
     match = _PATTERN.fullmatch(pattern)
     package, kind = (match["package"], match["kind"]) if match else ("", "")

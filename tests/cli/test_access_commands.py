@@ -35,7 +35,7 @@ def test_a_token_is_made_listed_and_revoked(home: Path):
     found = read(home / "tokens.json").find(token)
     assert found is not None
     assert (found.name, found.role) == ("tablet", "operator")
-    assert "shown only this once" in made.stderr
+    assert "is shown only this once" in made.stderr
     assert token not in made.stderr
     ros2_gateway("token", "create", "wall", "--role", "viewer")
     lines = ros2_gateway("token", "list").stdout.splitlines()
@@ -79,7 +79,7 @@ def test_a_certificate_is_for_the_names_and_addresses_of_this_machine(home: Path
     )
     lifetime = certificate.not_valid_after_utc - certificate.not_valid_before_utc
     assert lifetime.days == 825
-    assert sentence("cert") == f"{key} exists, --replace makes another"
+    assert sentence("cert") == f"{key} exists: add --replace to make another"
     before = key.read_bytes()
     assert ros2_gateway("cert", "--replace").returncode == 0
     assert key.read_bytes() != before

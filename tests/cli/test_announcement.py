@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import io
 import json
+import os
 import stat
 from pathlib import Path
 
@@ -48,12 +49,12 @@ def test_a_new_token_is_in_lines_for_wscat_and_unity():
         "  on this machine   ws://localhost:9090/",
         f"  from a headset    ws://{HOME}:9090/",
         (
-            "other machines can connect, so clients need a token;"
-            " this operator's is new, and shown only once:"
+            "other machines can connect, so clients need a token."
+            " This one is for an operator, and shown only once:"
         ),
         f"  wscat   npx wscat -c ws://{HOME}:9090/ -H 'Authorization: Bearer r2g_x'",
         f"  Unity   Address: ws://{HOME}:9090/   Token: r2g_x",
-        "  more    ros2-gateway token create NAME --role viewer, then SIGHUP",
+        f"  more    ros2-gateway token create NAME --role viewer, then kill -HUP {os.getpid()}",
     ]
 
 
@@ -65,7 +66,7 @@ def test_a_new_token_is_kept_from_an_output_that_is_no_terminal(tmp_path):
     text = announcement.announcement(kept) + filled("WSCAT PAGE", kept)
     assert "r2g_x" not in text
     assert f'-H "Authorization: Bearer $(cat {path})"' in text
-    assert f"this operator's is new, and in {path}\n" in text
+    assert f"A new one, for an operator, is in {path}\n" in text
 
 
 def test_a_new_token_that_cannot_be_kept_is_shown_as_nobody_would_know_it():
@@ -82,7 +83,7 @@ def test_without_a_network_it_says_how_to_find_an_address(monkeypatch):
 
 def test_a_token_that_is_kept_as_a_hash_has_a_place_in_the_lines():
     lines = announcement.announcement(listening())
-    assert "the hashes of valid ones are in /conf/tokens.json" in lines
+    assert "The hashes of the valid ones are in /conf/tokens.json" in lines
     assert "Bearer TOKEN'" in lines
     assert "Token: TOKEN\n" in lines
 

@@ -86,7 +86,7 @@ def test_nobody_there_is_told_with_what_to_do(monkeypatch: pytest.MonkeyPatch) -
         check=False,
     )
     assert (run.returncode, run.stdout) == (1, "")
-    assert run.stderr.startswith("ros2-gateway: no gateway has answered; those that listen on all")
+    assert run.stderr.startswith("ros2-gateway: no gateway has answered: start one with --lan")
 
 
 @pytest.mark.parametrize("wait", ["0", "-1", "nan", "soon"])

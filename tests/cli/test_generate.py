@@ -152,7 +152,9 @@ def test_a_second_assembly_in_a_folder_is_refused_and_nothing_is_written(workspa
     command = ("generate", "csharp", "own_msgs/*", "--types-path", str(workspace))
     run = ros2_gateway(*command, "--output", str(folder), "--asmdef", "Robot.Messages")
     assert run.returncode == 2
-    text = f"{folder} has Mine.asmdef, and Unity takes one assembly in a folder: name that one, or "
+    text = (
+        f"{folder} has Mine.asmdef, and Unity allows one assembly in a folder: name that one, or "
+    )
     assert text in run.stderr
     assert [path.name for path in folder.iterdir()] == ["Mine.asmdef"]
 
@@ -204,12 +206,15 @@ def test_definitions_that_come_with_the_gateway_are_known_to_both_commands(name)
         (("python", "nav_msg/*"), "no known type fits nav_msg/*, did you mean nav_msgs/*"),
         (
             ("python", "/odom"),
-            "/odom is no type: a gateway, named by --from, knows those of names",
+            "/odom is a name, not a type: a gateway knows its type, named by --from",
         ),
-        (("python", "1", "--wire", "cbor"), "--wire is for typescript alone"),
-        (("python", "1", "--complete"), "--complete is for csharp alone"),
+        (("python", "1", "--wire", "cbor"), "--wire works only with typescript"),
+        (("python", "1", "--complete"), "--complete works only with csharp"),
         *(
-            (arguments, "--asmdef is for csharp with --output: it is a file beside the classes")
+            (
+                arguments,
+                "--asmdef works only with csharp and --output: it is a file next to the classes",
+            )
             for arguments in (
                 ("csharp", "1", "--asmdef", "Robot"),
                 ("python", "1", "--asmdef", "Robot", "--output", "x"),

@@ -459,7 +459,8 @@ def test_a_bug_is_one_sentence_and_with_debug_a_traceback(monkeypatch, capsys):
     monkeypatch.setattr(cli, "_given", fail)
     assert cli.main(["serve"]) == 1
     assert capsys.readouterr().err == (
-        "ros2-gateway: internal error, ZeroDivisionError: division by zero (--debug shows where)\n"
+        "ros2-gateway: internal error, ZeroDivisionError: division by zero"
+        " (add --debug to see where)\n"
     )
     assert cli.main(["serve", "--debug"]) == 1
     assert "Traceback" in capsys.readouterr().err
@@ -473,7 +474,7 @@ def test_a_bug_is_one_sentence_and_with_debug_a_traceback(monkeypatch, capsys):
             OSError(errno.EMFILE, "Too many open files", "x.toml"),
             f"too many open files, at x.toml: {_REMEDIES[errno.EMFILE]}",
         ),
-        (OSError(errno.EIO, "Input/output error"), "input/output error: --debug shows where"),
+        (OSError(errno.EIO, "Input/output error"), "input/output error: add --debug to see where"),
     ],
 )
 def test_a_fault_of_the_machine_is_no_bug(error, sentence, monkeypatch, capsys):

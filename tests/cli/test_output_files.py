@@ -56,7 +56,7 @@ def test_a_foreign_file_is_replaced_if_asked_for(tmp_path):
 @pytest.mark.parametrize("replace", [False, True])
 def test_what_is_no_file_is_neither_waited_for_nor_replaced(tmp_path, replace, make):
     make(tmp_path / "a.ts")
-    with pytest.raises(UsageError, match=r"a\.ts is no file: choose another --output"):
+    with pytest.raises(UsageError, match=r"a\.ts is not a file: choose another --output"):
         write_files(tmp_path, {"a.ts": OURS}, MARK, replace=replace)
 
 

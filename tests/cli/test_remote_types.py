@@ -174,7 +174,7 @@ async def test_a_certificate_is_verified(tmp_path):
             2,
             "--ca: /nowhere: no such file or directory",
         ),
-        (("--from", "wss://x", "--ca", __file__), 2, f"--ca: {__file__}: no certificate in PEM"),
+        (("--from", "wss://x", "--ca", __file__), 2, f"--ca: {__file__}: not a certificate in PEM"),
     ],
 )
 def test_an_address_or_a_certificate_that_cannot_be_is_one_sentence(arguments, code, sentence):
@@ -191,7 +191,7 @@ def test_an_address_that_is_none_is_one_sentence(host):
 def test_a_token_that_can_be_none_is_refused(token):
     gateway = Gateway("ws://localhost:1", token)
     with (
-        pytest.raises(UsageError, match="a token has printable ASCII without blanks") as refused,
+        pytest.raises(UsageError, match="a token has printable ASCII without spaces") as refused,
         remote_types.remote_types(gateway, ["a/A"]),
     ):
         pass
@@ -212,7 +212,7 @@ def test_a_server_that_says_nothing_is_given_up():
         arguments = ("python", "1", "--from", url, "--timeout", "0.5")
         assert refusal("generate", *arguments) == (
             1,
-            f"{url}: no connection within 0.5 s: --timeout allows more",
+            f"{url}: no connection within 0.5 s: raise --timeout",
         )
 
 
@@ -307,7 +307,9 @@ def test_an_answer_that_is_no_description_is_refused(reply):
 
 
 def test_what_is_no_json_is_refused():
-    with refused(lambda operation: ["<html>"], "its answer is no JSON: is it a gateway") as url:
+    with refused(
+        lambda operation: ["<html>"], "its answer is not JSON: check that it is a gateway"
+    ) as url:
         fetch(url, "a/A")
 
 
@@ -330,7 +332,7 @@ def test_frames_about_something_else_are_passed_over():
 
 
 def test_an_answer_that_does_not_come_is_given_up():
-    with refused(lambda operation: [], r"no answer within 0\.5 s: --timeout allows more") as url:
+    with refused(lambda operation: [], r"no answer within 0\.5 s: raise --timeout") as url:
         fetch(url, "a/msg/A", timeout_s=0.5)
 
 

@@ -14,12 +14,12 @@ from tests.cli.test_main import TIMEOUT_S, refusal, ros2_gateway, running
 from tests.namespaces import needs_namespaces
 
 NOT_LOADED = (
-    "which ROS cannot load here, expected rmw_fastrtps_cpp; unset it for the default, or install"
+    "which ROS cannot load here, expected rmw_fastrtps_cpp: unset it for the default, or install"
     " that package"
 )
 PEERS = (
-    "expected host names or addresses with ; between them, without blanks, such as"
-    " '192.168.1.7;robot.lan'"
+    "expected host names or addresses, separated by semicolons and without spaces, such as"
+    " `'192.168.1.7;robot.lan'`"
 )
 
 
@@ -37,12 +37,18 @@ def test_middleware_that_is_not_there_is_one_sentence_with_what_to_do(command):
         (
             "ROS_AUTOMATIC_DISCOVERY_RANGE",
             "localhost",
-            "'localhost', expected SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT; unset it for SUBNET",
+            (
+                "'localhost', expected SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT,"
+                " or unset it for SUBNET"
+            ),
         ),
         (
             "ROS_LOCALHOST_ONLY",
             "true",
-            "'true', expected 0 or 1; ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST has taken its place",
+            (
+                "'true', expected 0 or 1: better unset it,"
+                " and use ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST"
+            ),
         ),
         (
             "ROS_STATIC_PEERS",

@@ -311,7 +311,7 @@ def test_commands_with_a_stamp_are_taken_while_they_are_new():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"namespace": "1st robot"}, "namespace '1st robot' is no ROS namespace"),
+        ({"namespace": "1st robot"}, "namespace '1st robot' is not a ROS namespace"),
         ({"camera_hz": 0}, "camera_hz 0 is not from 0.1 to 60 Hz"),
         ({"camera_hz": 60.1}, "camera_hz 60.1 is not from 0.1 to 60 Hz"),
         ({"camera_hz": math.nan}, "camera_hz nan"),
