@@ -28,7 +28,7 @@ _SLICE_S: Final = 0.002  # of the caller's time for each look at the test
 
 
 class MissingTypeError(Exception):
-    """Raised if a type is not installed, and cannot be made; the text says why."""
+    """Raised if a type is not installed and cannot be made. The text says why."""
 
 
 class ValuePublisher:
@@ -39,17 +39,17 @@ class ValuePublisher:
         self._encode = encode
 
     def has_subscribers(self) -> bool:
-        """Return whether somebody listens."""
+        """Return whether there are subscribers."""
         return bool(self._publisher.get_subscription_count())
 
     def publish(self, values: Mapping[str, Any]) -> None:
-        """Publish values by field name; fields that are left out are 0 or empty."""
+        """Publish values by field name. Fields that are left out are 0 or empty."""
         self._publisher.publish(self._encode(values, 0))
 
 
 @dataclass(frozen=True, slots=True)
 class AnyAction:
-    """An action type; what is written leaves out the fields that its definition here lacks."""
+    """An action type. Fields that its definition here lacks are left out."""
 
     form: ActionForm
     read_goal: Decoder  # raises a ValueError for bytes that are not CDR of the type
@@ -60,8 +60,8 @@ class AnyAction:
 class AnyTypes:
     """Creates publishers and actions of some types, once `poll` returns true.
 
-    That is at once if all of them are installed. Else a process of its own tries first whether this
-    ROS takes types that are made, for a second; see `gateway.ros.message_classes`.
+    That is at once if all of them are installed. Otherwise a separate process first tries for a
+    second whether this ROS accepts made types. See `gateway.ros.message_classes`.
     """
 
     def __init__(self, type_names: Sequence[str]) -> None:
@@ -75,7 +75,7 @@ class AnyTypes:
             self._trial = _Trial()
 
     def poll(self) -> bool:
-        """Return whether they can be created; if not, ask again some milliseconds later."""
+        """Return whether they can be created. If not, ask again a few milliseconds later."""
         if self._trial is None:
             return True
         if not self._trial.has_ended():

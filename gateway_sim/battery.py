@@ -12,7 +12,7 @@ _LOW: Final = 0.1  # below it a real pack is damaged: it is swapped
 
 
 class Battery:
-    """A charge that falls with time and driving, and rises in the bay; time is an argument."""
+    """A charge that falls with time and driving, and rises in the bay. Time is an argument."""
 
     def __init__(self) -> None:
         self.charge = CAPACITY  # Ah left
@@ -31,7 +31,7 @@ class Battery:
         return 3.3 + 0.9 * self.percentage
 
     def step(self, seconds: float, effort: float, charging: bool) -> None:
-        """Let time pass; *effort* is the share of full speed, from 0 to 1.
+        """Let time pass. *effort* is the share of full speed, from 0 to 1.
 
         A pack at 10 % is swapped for a full one, so that the robot runs for days.
         """

@@ -31,7 +31,7 @@ _Maps = NDArray[np.float32]
 
 
 class Camera:
-    """Draws the robot's view; one picture takes some milliseconds of one core."""
+    """Draws the robot's view. One picture takes a few milliseconds of one core."""
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -121,7 +121,7 @@ class Camera:
         depth: NDArray[np.float64],
         along: NDArray[np.float64],
     ) -> None:
-        """Map the rows between top and bottom of one surface per column; infinite depth: none."""
+        """Map the rows of one surface per column, none where the depth is infinite."""
         missed = np.isinf(depth)
         depth = np.where(missed, 1.0, depth)
         height = self._heights[surface]

@@ -12,13 +12,13 @@ from gateway_sim import robot_messages
 from gateway_sim.camera import Camera
 from gateway_sim.world import Pose, World
 
-_DEPTH: Final = 3  # pictures kept for a slow reader: 0.1 s, 2.8 MB; older ones only delay
+_DEPTH: Final = 3  # pictures kept for a slow reader: 0.1 s, 2.8 MB (older ones only delay)
 # of 100: sharp at 30 KB a picture
 _JPEG_PARAMETERS: Final = (cv2.IMWRITE_JPEG_QUALITY, 85)
 
 
 class CameraTopics:
-    """Publishes pictures with image_transport's topic names; draws them only for subscribers."""
+    """Publishes images with image_transport's topic names, and draws them only for subscribers."""
 
     def __init__(self, node: Node, world: World) -> None:
         self._camera = Camera(world)

@@ -2,8 +2,8 @@
 """Made-up messages of any type: valid, recognisable, and different each time.
 
 Pure: a message is a dict by field name, octets are `bytes`, and time is an argument. Numbers
-increase with the counter and from field to field, which shows swapped fields and lost messages;
-strings have the type's name and the counter.
+increase with the counter and from field to field, which shows swapped fields and lost messages.
+Strings have the type's name and the counter.
 """
 
 import math
@@ -20,7 +20,7 @@ from schemas.installed import InstalledDefinitions
 FRAME: Final = "mock"
 WIDTH: Final = 64  # pixels
 HEIGHT: Final = 48
-_ELEMENTS: Final = 3  # of a sequence: enough to see an order; equal for sequences that belong
+_ELEMENTS: Final = 3  # of a sequence: enough to see an order. Related sequences are equally long
 _BEAMS: Final = 36
 
 Values = dict[str, Any]

@@ -22,7 +22,7 @@ from gateway.ros import fast_dds, rclpy_private
 from gateway.ros.goal_ids import with_goal_id
 from gateway_sim.any_types import AnyAction
 
-MAX_KEPT: Final = 16  # goals that have ended, for clients that ask for a result late; the newest
+MAX_KEPT: Final = 16  # the newest goals that have ended, for clients that ask for a result late
 MAX_WAITING: Final = 16  # requests for one goal's result
 _SERVICE_DEPTH: Final = 2 * MAX_WAITING  # the results of one goal are sent in one burst
 _REQUESTS_A_TURN: Final = 10  # of each service, so that the robot's own work goes on
@@ -48,7 +48,7 @@ class _Goal:
 
 
 class GoalServer:
-    """Serves an action; a goal that is accepted aborts the one before.
+    """Serves an action. A goal that is accepted aborts the one before.
 
     Everything happens within its methods, on the caller's thread.
     """
@@ -92,7 +92,7 @@ class GoalServer:
         self._status = self._node.create_publisher(
             GoalStatusArray, f"{part}status", qos_profile_action_status_default
         )
-        # The service that clients use first is created last: whoever sees it finds the rest.
+        # The service that clients use first is created last: a client that sees it finds the rest.
         self._services = (
             self._serve(form.get_result, f"{part}get_result", self._answer_result),
             self._serve(CancelGoal, f"{part}cancel_goal", self._cancel),
@@ -148,7 +148,7 @@ class GoalServer:
     def _serve(
         self, service_class: Any, name: str, answer: Callable[[Any, _Reply], None]
     ) -> Callable[[], bool]:
-        """Open a service; return a function that answers one request, if there is one."""
+        """Open a service, and return a function that answers one request, if there is one."""
         service = self._node.create_service(
             service_class, name, lambda *_: None, qos_profile=QoSProfile(depth=_SERVICE_DEPTH)
         )
@@ -171,7 +171,7 @@ class GoalServer:
         try:
             self._require_new(goal_id)
             self._begin(self._action.read_goal(cdr))
-        except ValueError as error:  # CDR that cannot be read, too
+        except ValueError as error:  # also for CDR that cannot be read
             self._log.warning(f"{self._name} goal rejected: {error}")
             reply(form.to_goal_response(None))
             return

@@ -13,7 +13,7 @@ import numpy as np
 from schemas.definition import FieldType
 from schemas.installed import InstalledDefinitions
 
-_SHOWN_ELEMENTS: Final = 8  # of an array; a line stays readable
+_SHOWN_ELEMENTS: Final = 8  # of an array, so that a line stays readable
 _SHOWN_CHARACTERS: Final = 80  # of a string
 _MAX_LINE: Final = 2000  # characters: 20 lines of a terminal
 # that of .msg files is a uint8 in IDL
@@ -71,7 +71,7 @@ class Builder:
 
 
 def _as_text(value: Any) -> Any:
-    """Turn a char of IDL, or several, into text; rclpy takes no more than ASCII."""
+    """Turn a char of IDL, or several, into text. For rclpy it must be ASCII."""
     if isinstance(value, int):
         return chr(value & 0x7F)
     return [_as_text(each) for each in value]

@@ -43,7 +43,7 @@ class Loop:
         self._executor.add_node(node)
 
     def every(self, period_ns: int, task: Callable[[], None]) -> None:
-        """Call *task* now and at each full period after; missed periods are skipped."""
+        """Call *task* now and at each full period after. Missed periods are skipped."""
         self._periodic.append(_Periodic(period_ns, task, time.monotonic_ns()))
 
     def run(self, stop: threading.Event) -> None:
@@ -75,9 +75,9 @@ class Loop:
 
 @contextmanager
 def ros_context() -> Iterator[Context]:
-    """Provide a ROS context of its own that leaves signals alone and writes no log files.
+    """Provide a separate ROS context that leaves signals alone and writes no log files.
 
-    Pictures travel through shared memory, unless the environment names a profile itself.
+    Images travel through shared memory, unless the environment names a profile itself.
     """
     arguments = ["--ros-args", "--disable-external-lib-logs"]
     context = Context()
@@ -91,7 +91,7 @@ def ros_context() -> Iterator[Context]:
 
 @contextmanager
 def stopped_by_signals(stop: threading.Event) -> Iterator[None]:
-    """Let the `ENDING` signals set *stop*; for the main thread only, as `signal.signal` is."""
+    """Let the `ENDING` signals set *stop*. Call it on the main thread."""
 
     def set_stop(_number: int, _frame: FrameType | None) -> None:
         stop.set()

@@ -22,8 +22,10 @@ from gateway_sim.loop import Loop, ros_context, stopped_by_signals
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table, TypeNameError, resolve_type
 
-MAX_RATE_HZ: Final = 1000.0  # far above the rate that 180 types reach; it catches typing errors
-_TICK_NS: Final = 10_000_000  # publishing in bursts of 10 ms saves wake-ups and delays nobody
+MAX_RATE_HZ: Final = 1000.0  # far above the rate that 180 types reach, to catch typing errors
+_TICK_NS: Final = (
+    10_000_000  # publishing in bursts of 10 ms saves wake-ups, and the delay does not matter
+)
 _DEPTH: Final = 100  # samples: a test's burst of one second waits and is not lost
 _WORD_START: Final = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=.)(?=[A-Z][a-z])")
 
@@ -33,11 +35,11 @@ class MockOptions:
     """The options of the mock system.
 
     Raises:
-        ConfigError: a value is out of its range, or names no type.
+        ConfigError: a value is out of its range, or a type is unknown.
     """
 
     rate_hz: float = 1.0  # of each type
-    types: tuple[str | int, ...] = ()  # names, or numbers of the message table; none: all of it
+    types: tuple[str | int, ...] = ()  # names or numbers, all types if empty
     publish: bool = True
     listen: bool = True
     write: Callable[[str], None] = print  # gets a line for each message that arrives
@@ -59,7 +61,7 @@ class MockOptions:
 
 
 def run(options: MockOptions) -> int:
-    """Run the mock system until SIGINT or SIGTERM; return the exit code 0.
+    """Run the mock system until SIGINT or SIGTERM, and return the exit code 0.
 
     Raises:
         ConfigError: a type that the options name is not installed.
@@ -84,7 +86,7 @@ def topic_of(type_name: str, prefix: str) -> str:
 
 
 class MockSystem:
-    """The node ``mock_system``; everything happens on the thread that runs ``loop``.
+    """The node ``mock_system``. Everything happens on the thread that runs ``loop``.
 
     Without types in the options, types whose packages are not installed are left out, with a
     warning in the log.
@@ -143,7 +145,7 @@ class MockSystem:
         self._node.create_subscription(cls, topic, written, _DEPTH)
 
     def _publish_due(self) -> None:
-        """Publish the types in turn, evenly spread over time; skip those late by a whole period."""
+        """Publish the types in turn, evenly over time, and skip those late by a whole period."""
         due = int((time.monotonic_ns() - self._start_ns) / self._interval_ns)
         for index in range(max(self._published, due - len(self._names)), due):
             counter, position = divmod(index, len(self._names))

@@ -10,14 +10,14 @@ from typing import Final, NamedTuple
 from gateway_sim import camera
 from gateway_sim.robot import WHEEL_RADIUS, WHEEL_SEPARATION
 
-# x, y, z, w; of length 1
+# x, y, z, w of a unit quaternion
 Rotation = tuple[float, float, float, float]
 
 
 class Mount(NamedTuple):
     """The place of a frame in its parent: metres, and radians about the parent's x, y and z.
 
-    A wheel turns about the z of its own frame.
+    A wheel turns about the z of its frame.
     """
 
     joint: str

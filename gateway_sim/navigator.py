@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The action ``navigate_to_pose`` of the simulated robot, as Nav2 has it.
 
-The goal is of nav2_msgs/action/NavigateToPose. A newer goal, on ``goal_pose`` too, aborts it; so do
-a command from somebody else, who takes over, and whatever else stops the robot.
+The goal is of nav2_msgs/action/NavigateToPose. It is aborted by a newer goal, also on
+``goal_pose``, by a command from another client, and by everything else that stops the robot.
 """
 
 import time
@@ -34,7 +34,7 @@ InMap = Callable[[str, Pose], Pose]
 
 
 class Navigator:
-    """Serves the action once its types are there; without them it says so in the log, once."""
+    """Serves the action once its types are there. Without them, it logs that once."""
 
     def __init__(self, context: Context, node: Node, robot: Robot, in_map: InMap) -> None:
         self._context = context
@@ -57,7 +57,7 @@ class Navigator:
         self._server = GoalServer(self._context, self._node, _NAME, action, self._begin, _PREEMPTED)
 
     def poll(self, map_frame: str) -> None:
-        """Take what clients ask for and report how far the robot is; some ten times a second."""
+        """Take requests, and report how far the robot is. Call it about ten times a second."""
         server = self._server
         if server is None:
             return
@@ -106,7 +106,7 @@ class Navigator:
             self._finish(server, GoalStatus.STATUS_CANCELED, 0, "")
 
     def _has_braked(self) -> bool:
-        """Return whether the robot stands after a cancellation, unless somebody else drives it."""
+        """Return whether the robot stands after a cancellation, unless another client drives it."""
         waited_ns = time.monotonic_ns() - self._canceled_ns
         return self._robot.linear == self._robot.angular == 0.0 or waited_ns > _BRAKING_NS
 

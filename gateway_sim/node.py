@@ -56,7 +56,7 @@ class SimOptions:
     namespace: str = ""  # of the node and its topics, and before its frames
     camera: bool = True
     camera_hz: float = 30.0
-    seed: int | None = None  # of slip and noise; None: another one each time
+    seed: int | None = None  # of slip and noise, another one each time if None
     twist_stamped: bool = False  # cmd_vel is geometry_msgs/msg/TwistStamped, else Twist
 
     def __post_init__(self) -> None:
@@ -71,7 +71,7 @@ class SimOptions:
 
 
 def run(options: SimOptions) -> int:
-    """Run the simulated robot until SIGINT or SIGTERM; return the exit code 0."""
+    """Run the simulated robot until SIGINT or SIGTERM, and return the exit code 0."""
     stop = threading.Event()
     # Drawing takes 3 ms: more threads would cost more than they save.
     cv2.setNumThreads(1)
@@ -85,10 +85,10 @@ def run(options: SimOptions) -> int:
 
 
 class SimulatedRobot:
-    """The node ``simulated_robot``; everything happens on the thread that runs ``loop``.
+    """The node ``simulated_robot``. Everything happens on the thread that runs ``loop``.
 
-    It builds messages and draws pictures only for topics with subscribers. Where a package of its
-    types is not installed, its transforms and its action come a second after the start.
+    It builds messages and draws images only for topics with subscribers. If a package of its types
+    is not installed, its transforms and its action come a second after the start.
     """
 
     def __init__(self, context: Context, options: SimOptions) -> None:
@@ -173,7 +173,7 @@ class SimulatedRobot:
             self._dismissed_ns = None
 
     def _require_fresh(self, stamp: Time | None) -> None:
-        """Dismiss a command that is older than it would hold; one without a stamp is new."""
+        """Dismiss a command that is older than it would hold. One without a stamp is new."""
         if stamp is None or (stamp.sec, stamp.nanosec) == (0, 0):
             return
         now_ns = self._node.get_clock().now().nanoseconds

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ways around what stands in the room: A* on a grid, then as few corners as possible.
 
-Pure and deterministic. Steps and lines are checked by the distance to the nearest surface alone:
-whoever starts on free floor and stays away from every surface cannot get into an obstacle.
+Pure and deterministic. Steps and lines are checked only by the distance to the nearest surface.
+A way that starts on free floor and stays away from every surface cannot get into an obstacle.
 """
 
 import heapq
@@ -14,12 +14,12 @@ import numpy as np
 
 from gateway_sim.world import FloatArray, Point, World
 
-CELL: Final = 0.1  # m: the whole room is 3000 cells, searched in some 10 ms
+CELL: Final = 0.1  # m: the whole room is 3000 cells, searched in about 10 ms
 MARGIN: Final = 0.05  # m that a way keeps besides the robot's radius, for what cuts its corners
 _DIAGONAL: Final = math.sqrt(2) * CELL
 _REACH: Final = 0.8  # m from a cell to a start or a goal that is too near to something for a cell
 _HERE: Final = 0.05  # m: no way is needed for so little
-_SAMPLE: Final = 0.005  # m between the checks of a line; at a corner it misses 0.02 mm
+_SAMPLE: Final = 0.005  # m between the checks of a line, which miss 0.02 mm at a corner
 
 _Cell = tuple[int, int]  # column, row
 _STEPS: Final = tuple(
@@ -52,7 +52,7 @@ class Planner:
         self._cells: FloatArray = np.argwhere(self._is_free).astype(float)
 
     def plan(self, start: Point, goal: Point) -> list[Point] | None:
-        """Return the corners of a way, the goal as the last one; ``None`` if there is no way.
+        """Return the corners of a way, the goal as the last one, or ``None`` if there is no way.
 
         Both ends must be free floor with room for the robot. The way keeps `MARGIN` from all
         things, except where an end is too near to one for that.

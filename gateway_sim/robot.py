@@ -27,7 +27,7 @@ _ANGULAR_ACCELERATION: Final = 8.0  # rad/s²
 _TOUCH: Final = 0.005  # m to the obstacle that was hit: farther away, it can be hit again
 _STEP_NS: Final = 10_000_000  # at full speed 2.6 mm: small against anything in a room
 
-# The errors of the odometry. Ten metres straight ahead end about 10 cm beside the truth.
+# The errors of the odometry. Ten metres straight ahead end about 10 cm next to the truth.
 _DISTANCE_ERROR: Final = 0.004  # worn tyres: 4 mm per metre
 _TURN_ERROR: Final = 0.006  # a mismeasured wheel separation: 2° per turn
 _HEADING_ERROR_PER_METRE: Final = 0.002  # rad, unequal tyres
@@ -43,7 +43,7 @@ _CORNER: Final = (
 
 
 class Event(Enum):
-    """Something that happened to the robot; the value is the text for its log."""
+    """Something that happened to the robot. The value is the text for its log."""
 
     HIT = "hit an obstacle"
     GOAL_REACHED = "goal reached"
@@ -58,14 +58,14 @@ class Event(Enum):
 
 
 class DismissedError(ValueError):
-    """A command or a pose is not obeyed; the text says why."""
+    """A command or a pose is not obeyed. The text says why."""
 
 
 class Robot:
     """A robot that moves as its commands, its motors and its world allow.
 
-    ``pose`` is the truth, ``odometry`` the wheels' estimate of it. Only `step` moves the robot;
-    every other method takes effect from the time of the last step on.
+    ``pose`` is the truth, ``odometry`` the wheels' estimate of it. Only `step` moves the robot.
+    Every other method takes effect from the time of the last step on.
     """
 
     def __init__(self, world: World, now_ns: int, seed: int = 0) -> None:
@@ -81,7 +81,7 @@ class Robot:
         self._planner = Planner(world, RADIUS)
         self._touching = False
         self._parked = False
-        self._events: deque[Event] = deque(maxlen=16)  # a second of the worst; older ones are stale
+        self._events: deque[Event] = deque(maxlen=16)  # a second of the worst, older ones are stale
         self.motors_on = True
         self.linear = 0.0  # m/s, as driven now
         self.angular = 0.0  # rad/s
@@ -98,7 +98,7 @@ class Robot:
 
     @property
     def goal_end(self) -> Event | None:
-        """The event that ended the last goal; ``None`` before, and while there is a goal."""
+        """The event that ended the last goal. It is ``None`` before, and while there is a goal."""
         return self._goal_end
 
     @property
@@ -132,10 +132,10 @@ class Robot:
         return events
 
     def command(self, linear: float, angular: float) -> None:
-        """Drive at this speed until another command, for half a second at most; drop a goal.
+        """Drive at this speed until another command, for half a second at most, and drop a goal.
 
         Raises:
-            DismissedError: a speed is beyond the robot's limits; the last command stays in force.
+            DismissedError: a speed is beyond the robot's limits. The last command stays in force.
         """
         # written so that NaN fails
         if not abs(linear) <= MAX_LINEAR + _ROUNDING:
@@ -152,8 +152,8 @@ class Robot:
         """Drive to *goal* around what is in the way, turn to its heading.
 
         Raises:
-            DismissedError: the robot does not fit there, no way leads there, or its motors are off;
-                a goal that there was stays.
+            DismissedError: the robot does not fit there, no way leads there, or its motors are off.
+                The goal before stays.
         """
         self._require_room(goal)
         if not self.motors_on:
@@ -173,7 +173,7 @@ class Robot:
         self._end_goal(Event.GOAL_CANCELED)
 
     def place(self, pose: Pose) -> None:
-        """Lift the robot to *pose*, at rest; the odometry starts anew from there, without drift.
+        """Lift the robot to *pose*, at rest. The odometry starts again from there, without drift.
 
         Raises:
             DismissedError: the robot does not fit there.
@@ -189,7 +189,7 @@ class Robot:
         self.motors_on = True
 
     def switch_motors(self, on: bool) -> None:
-        """Switch the motors; without them the robot stands and dismisses commands."""
+        """Switch the motors. Without them the robot stands and dismisses commands."""
         self.motors_on = on
         if not on:
             self._halt(Event.GOAL_POWERLESS)

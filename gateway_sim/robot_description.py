@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The simulated robot's URDF (http://wiki.ros.org/urdf/XML): its frames, and bodies to draw.
 
-All bodies are boxes, cylinders and spheres, so whoever draws it, RViz or three.js in a browser,
+All bodies are boxes, cylinders and spheres, so a program that draws it, such as RViz or three.js,
 needs no other files. As with robot_state_publisher, names of frames are without a prefix.
 """
 

@@ -23,7 +23,7 @@ from gateway_sim.world import World
 
 MAP_RESOLUTION: Final = 0.05  # m per cell, SLAM's usual
 _GRAVITY: Final = 9.81  # m/s², measured upwards by an accelerometer at rest
-_FLAT: Final = 1e-9  # a variance of values that cannot change on a floor; filters reject 0
+_FLAT: Final = 1e-9  # a variance of values that cannot change on a floor (filters reject 0)
 # Variances: the odometry is good to about 3 cm and 6°, its speeds to 1 cm/s and 2°/s.
 _POSE_VARIANCES: Final = (1e-3, 1e-3, _FLAT, _FLAT, _FLAT, 1e-2)
 _TWIST_VARIANCES: Final = (1e-4, _FLAT, _FLAT, _FLAT, _FLAT, 1e-3)
@@ -41,7 +41,7 @@ def quaternion(heading: float) -> Quaternion:
 
 
 def heading(rotation: Quaternion) -> float:
-    """Return the angle around the vertical, the yaw; the quaternion need not be of length 1."""
+    """Return the angle around the vertical, the yaw. The quaternion need not be of length 1."""
     q = rotation
     return math.atan2(2 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z)
 
@@ -97,7 +97,7 @@ def laser_scan(header: Header, ranges: NDArray[np.float32]) -> LaserScanMessage:
         range_min=lidar.RANGE_MIN,
         range_max=lidar.RANGE_MAX,
         ranges=array.array("f", ranges.tobytes()),
-        # near things reflect more; a beam without an echo has no intensity
+        # near things reflect more, and a beam without an echo has no intensity
         intensities=array.array(
             "f", np.where(np.isfinite(ranges), 4000 / (1 + ranges**2), 0).astype("f4").tobytes()
         ),
@@ -142,7 +142,7 @@ def camera_info(header: Header) -> CameraInfo:
 
 
 def battery_state(header: Header, battery: Battery) -> BatteryState:
-    """Return the state of the battery; its temperature is not measured."""
+    """Return the state of the battery. Its temperature is not measured."""
     status = BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
     if battery.charging:
         status = BatteryState.POWER_SUPPLY_STATUS_CHARGING

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The textures of the simulated room: the pictures of its floor and surfaces, in one atlas.
+"""The textures of the simulated room: the images of its floor and surfaces, in one atlas.
 
-OpenCV paints them once, in RGB; the camera only looks pixels up.
+OpenCV paints them once, in RGB. The camera only looks pixels up.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ FLOOR_SCALES: Final = (200.0, 50.0, 12.5)
 
 SKY_ROWS: Final = 256
 
-_WIDTH: Final = 2048  # of the atlas; no picture is wider
+_WIDTH: Final = 2048  # of the atlas, and the most for one image
 _MARGIN: Final = 4  # pixels repeated around each picture, so that interpolation bleeds nothing in
 _WALL_COLOURS: Final[tuple[Colour, ...]] = (
     (150, 176, 196),  # north
@@ -71,7 +71,7 @@ def paint(world: World) -> Atlas:
 
 
 def _pack(pictures: list[Picture]) -> tuple[list[Place], int]:
-    """Put pictures side by side on shelves; return their places and the height of all."""
+    """Put pictures side by side on shelves, and return their places and the height of all."""
     places: list[Place] = []
     x = y = shelf = 0
     for picture in pictures:

@@ -30,7 +30,7 @@ class Pose(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """Something that stands in the room; its convex outline runs counter-clockwise."""
+    """Something that stands in the room. Its convex outline runs counter-clockwise."""
 
     name: str
     outline: tuple[Point, ...]
@@ -40,7 +40,7 @@ class Obstacle:
 
 @dataclass(frozen=True, slots=True)
 class Bay:
-    """A rectangle on the floor to park in; its open side is the one at lower x."""
+    """A rectangle on the floor to park in. Its open side is the one at lower x."""
 
     x: float  # centre
     y: float
@@ -57,12 +57,12 @@ class Bay:
 class Hits(NamedTuple):
     """The points where rays meet surfaces: arrays of shape (surfaces, rays)."""
 
-    distance: FloatArray  # in lengths of the ray's direction; infinite if the ray misses
+    distance: FloatArray  # in lengths of the ray's direction, infinite if the ray misses
     along: FloatArray  # metres from the surface's left edge, as seen from the ray's origin
 
 
 class World:
-    """A rectangular room and the things in it; never changes.
+    """A rectangular room and the things in it, which never change.
 
     A *surface* is one upright face, seen from one side only: first the room's four walls, then
     the obstacles' faces. Seen from the front it runs from its start on the left to its end on
@@ -94,7 +94,7 @@ class World:
         self._squared_lengths = np.einsum("ij,ij->i", self._edges, self._edges)
 
     def cast(self, x: float, y: float, dx: FloatArray, dy: FloatArray) -> Hits:
-        """Send rays from a free place; *dx* and *dy* are their directions, of any length."""
+        """Send rays from a free place. *dx* and *dy* are their directions, of any length."""
         to_start = self.starts - (x, y)
         edge_x, edge_y = self._edges[:, :1], self._edges[:, 1:]
         # From the front, a surface turns clockwise against the ray: rays meet only those.
@@ -108,12 +108,12 @@ class World:
         return Hits(np.where(met, distance, np.inf), np.where(met, share * lengths, 0.0))
 
     def clearance(self, x: float, y: float) -> float:
-        """Return the distance from a place to the nearest surface; negative if it is not free."""
+        """Return the distance to the nearest surface, negative if the place is not free."""
         nearest = float(self.distances(np.array([[x, y]]))[0])
         return nearest if self._is_free(x, y) else -nearest
 
     def occupancy(self, resolution: float) -> NDArray[np.int8]:
-        """Draw the map: a cell is 100 if something stands there, else 0; row 0 is the south.
+        """Draw the map: a cell is 100 if something stands there, else 0. Row 0 is the south.
 
         The cells cover the room and one cell beyond each wall, so that the walls show.
         """
