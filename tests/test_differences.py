@@ -71,8 +71,8 @@ TESTS = {
     "**`nanosec`**": [
         f"{PUBLICATIONS}::test_a_stamp_is_relayed_as_it_is",
         "codec/test_types.py::test_a_time_is_the_same_on_both_sides_whatever_its_nanoseconds",
-        "e2e/test_message_table.py::test_what_a_robot_publishes_reaches_a_client",
-        "e2e/test_message_table.py::test_what_a_client_publishes_reaches_a_robot",
+        "e2e/test_message_table.py::test_messages_of_a_robot_reach_a_client",
+        "e2e/test_message_table.py::test_messages_of_a_client_reach_a_robot",
         f"{OPERATIONS}::test_the_last_value_within_a_bound_is_taken_and_the_first_beyond_it_refused",
     ],
     "**Throttle:**": [

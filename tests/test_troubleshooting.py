@@ -22,7 +22,7 @@ _JAVASCRIPT = re.compile(r'"([^"\n]*)"|`([^`\n]*)`')
 _VALUES = re.compile(
     r"\$\{[^}]*\}|\{[a-z_]*\}|\s*\n\s*|(?<=\.) "
 )  # and ends of lines and sentences
-# what is left once the parts are taken out: names, numbers, seconds, roles, and what is in capitals
+# the rest once the parts are taken out: names, numbers, seconds, roles, words in capitals
 _VALUE = re.compile(r"[^a-z]*|\S*[/_.\d]\S*|s|operator|admin|page")
 
 

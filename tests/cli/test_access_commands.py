@@ -44,7 +44,7 @@ def test_a_token_is_made_listed_and_revoked(home: Path):
     assert read(home / "tokens.json").find(token) is None
 
 
-def test_what_is_wrong_with_a_token_is_one_sentence(home: Path):
+def test_a_mistake_with_a_token_is_one_sentence(home: Path):
     assert sentence("token", "revoke", "x") == "no token is named x"
     ros2_gateway("token", "create", "x")
     assert sentence("token", "create", "x") == "a token named x exists already"
@@ -100,7 +100,7 @@ def test_a_certificate_is_for_the_names_and_addresses_of_this_machine(home: Path
         (("--set", "allowed_hosts=http://a"), "--set allowed_hosts: got 'http://a', expected host"),
     ],
 )
-def test_what_is_wrong_with_the_settings_of_access_is_one_sentence(arguments, text):
+def test_a_mistake_in_the_settings_of_access_is_one_sentence(arguments, text):
     finished = ros2_gateway("serve", "--port", "0", "--log-level", "error", *arguments)
     assert finished.returncode == 2
     (line,) = finished.stderr.splitlines()

@@ -58,7 +58,7 @@ def test_a_new_token_is_in_lines_for_wscat_and_unity():
     ]
 
 
-def test_a_new_token_is_kept_from_an_output_that_is_no_terminal(tmp_path):
+def test_a_new_token_is_not_shown_on_an_output_that_may_be_a_log(tmp_path):
     with_token = listening(new_token="r2g_x", tokens=tmp_path / "tokens.json")  # noqa: S106
     kept = kept_from_logs(with_token, io.StringIO())
     path = tmp_path / "first-token"

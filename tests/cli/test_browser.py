@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When a page is opened by itself; the browser is a stand-in."""
+"""The page that opens by itself, with a stand-in for the browser."""
 
 import os
 import pty

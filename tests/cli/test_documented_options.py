@@ -19,7 +19,7 @@ OPTIONS = [each for row in ROWS for each in re.findall(r"`(--[^`]*)`", row)]
 
 
 @pytest.mark.parametrize("options", sorted(set(OPTIONS)))
-def test_what_replaces_an_argument_of_rosbridge_is_accepted(options):
+def test_each_replacement_of_an_argument_of_rosbridge_is_accepted(options):
     if options == "--tls-cert":  # named once more, without its value
         return
     command = [sys.executable, "-m", "gateway", "serve", *shlex.split(options), "--print-config"]

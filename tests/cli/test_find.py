@@ -115,7 +115,7 @@ async def test_a_gateway_on_all_networks_is_found_unless_it_hides(
 
 
 class Network:
-    """A socket that gets some datagrams and nothing more; time passes while it waits."""
+    """A socket that gets some datagrams and nothing more. Time passes while it waits."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, *datagrams: bytes) -> None:
         self.now_s = 0.0
@@ -140,13 +140,15 @@ class Network:
         raise TimeoutError
 
 
-def test_who_has_not_answered_is_asked_again_every_400_ms(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_gateway_that_has_not_answered_is_asked_again_every_400_ms(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     network = Network(monkeypatch)
     assert gateways(2.0, ("10.0.0.255",)) == []
     assert network.asked_s == pytest.approx([0.0, 0.4, 0.8, 1.2, 1.6])
 
 
-def test_an_answer_that_is_larger_than_a_packet_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_answer_that_is_larger_than_a_packet_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
     other = replace(GATEWAY, id="5a", name="arm")
     Network(monkeypatch, answer(GATEWAY).rjust(1401), answer(other).rjust(1400))
     assert gateways(2.0, ("10.0.0.255",)) == [("10.0.0.7", other)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What others write to standard output and error, in a process of its own."""
+"""Foreign output on standard output and error, in a separate process."""
 
 import json
 import os
@@ -24,7 +24,7 @@ foreign_output.DRAIN_S = 60  # a busy machine
 
 
 def run(script: str) -> tuple[str, list[dict[str, str]]]:
-    """Run a script; return its output, and its log as parsed from JSON."""
+    """Run a script, and return its output, and its log as parsed from JSON."""
     finished = subprocess.run(
         [sys.executable, "-c", _START + textwrap.dedent(script)],
         capture_output=True,
@@ -35,7 +35,7 @@ def run(script: str) -> tuple[str, list[dict[str, str]]]:
     return finished.stdout, [json.loads(line) for line in finished.stderr.splitlines()]
 
 
-def test_what_c_code_and_children_write_are_records_and_own_lines_stay_as_they_are():
+def test_output_of_c_code_and_children_becomes_records_and_own_lines_stay_as_they_are():
     stdout, entries = run(
         """
         with foreign_output.foreign_output_logged() as own:
@@ -85,7 +85,7 @@ def test_a_child_that_goes_on_holds_up_nothing():
     assert [each["message"] for each in entries] == ["heard"]
 
 
-def test_an_error_is_no_json_of_half_a_line_when_the_block_fails():
+def test_an_error_is_not_half_a_line_of_json_when_the_block_fails():
     _, entries = run(
         """
         try:
@@ -172,7 +172,7 @@ def test_it_is_said_if_the_reader_dies_and_nothing_else_happens():
 
 
 def is_running(pid: str) -> bool:
-    """Return whether a process exists and is no zombie."""
+    """Return whether a process exists and is not a zombie."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except FileNotFoundError:
@@ -186,7 +186,7 @@ def until(is_true: Callable[[], bool]) -> None:
         time.sleep(0.01)
 
 
-def test_what_is_in_the_pipes_at_the_end_has_half_a_second(monkeypatch):
+def test_the_rest_in_the_pipes_has_half_a_second_at_the_end(monkeypatch):
     deadlines_s: list[float] = []
     output = SimpleNamespace(
         own=sys.stdout, redirect=lambda: None, restore=lambda: None, drain=deadlines_s.append

@@ -167,7 +167,7 @@ def test_classes_of_an_earlier_run_that_nobody_registers_are_told_of(workspace):
     limit = ("generate", "csharp", "nav2_msgs/msg/SpeedLimit")
     told = f"OwnMsgs.cs in {folder} is of an earlier run: name all types at once and --asmdef"
     assert told in ros2_gateway(*limit, *where).stderr
-    # without the assembly its registration is old, too, and may name classes that are gone
+    # without the assembly its registration is also old, and may name classes that are gone
     told = f"MessageRegistration.cs, OwnMsgs.cs in {folder} are of an earlier run"
     assert told in ros2_gateway(*limit, "--output", str(folder)).stderr
     both = ("own_msgs/*", "--types-path", str(workspace), *where)
@@ -262,11 +262,11 @@ def test_definitions_that_come_with_the_gateway_are_known_to_both_commands(name)
         ),
     ],
 )
-def test_what_cannot_be_is_one_sentence(arguments, sentence):
+def test_an_impossible_request_is_one_sentence(arguments, sentence):
     assert refusal("generate", *arguments) == (2, sentence)
 
 
-def test_what_the_unity_package_has_is_refused_with_what_to_do():
+def test_a_class_that_the_unity_package_has_is_refused_with_what_to_do():
     code, sentence = refusal("generate", "csharp", "geometry_msgs/msg/Twist")
     assert (code, "--complete on the command line" in sentence) == (2, True)
     command = ("generate", "csharp", "geometry_msgs/msg/Twist", "--complete")

@@ -49,7 +49,7 @@ def refusal(*arguments: str, **environment: str) -> tuple[int, str]:
 
 @contextmanager
 def running(*arguments: str, until: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """Run a command; yield it and what it printed up to the line that contains *until*."""
+    """Run a command, and yield it and what it printed up to the line that contains *until*."""
     process = subprocess.Popen(
         [sys.executable, "-m", "tests.patient_gateway", *arguments],
         cwd=ROOT,
@@ -80,7 +80,7 @@ def running(*arguments: str, until: str) -> Iterator[tuple[subprocess.Popen[str]
         ("/", "over 20000 folders below it"),
     ],
 )
-def test_a_folder_that_is_none_of_definitions_is_one_sentence(path, words):
+def test_a_folder_without_definitions_is_one_sentence(path, words):
     sentence = f"types.paths: {path}: {words}"
     assert refusal("serve", "--set", f"types.paths={path}") == (2, sentence)
 
@@ -384,7 +384,7 @@ def test_an_unknown_type_is_one_sentence_with_the_closest_one(form, name, close)
         ("a/action/b", "'a/action/b' is no action type: expected pkg/action/Name"),
     ],
 )
-def test_what_is_no_type_is_one_sentence(form, reason):
+def test_an_unknown_type_is_one_sentence(form, reason):
     code, sentence = refusal("schema", form)
     assert code == 2
     assert sentence.startswith(reason)
@@ -400,13 +400,13 @@ def test_what_is_no_type_is_one_sentence(form, reason):
         ("/odom", 'types of names, send it {"op":"describe","type":"/odom"}'),
     ],
 )
-def test_what_is_no_type_comes_with_what_was_meant(form, hint):
+def test_an_unknown_type_comes_with_the_one_that_was_meant(form, hint):
     code, sentence = refusal("schema", form)
     assert code == 2
     assert sentence.endswith(hint)
 
 
-def test_a_reader_that_stops_reading_is_no_error():
+def test_a_reader_may_stop_reading():
     process = subprocess.Popen(
         [sys.executable, "-m", "gateway", "check-config", "--keys"],
         cwd=ROOT,
@@ -477,7 +477,7 @@ def test_a_bug_is_one_sentence_and_with_debug_a_traceback(monkeypatch, capsys):
         (OSError(errno.EIO, "Input/output error"), "input/output error: add --debug to see where"),
     ],
 )
-def test_a_fault_of_the_machine_is_no_bug(error, sentence, monkeypatch, capsys):
+def test_a_fault_of_the_machine_is_not_reported_as_a_bug(error, sentence, monkeypatch, capsys):
     def fail(_: object) -> Sequence[object]:
         raise error
 

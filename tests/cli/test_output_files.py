@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files in somebody's folder: what is overwritten, and what is not."""
+"""Files in a user's folder: which are overwritten, and which are not."""
 
 import os
 
@@ -40,7 +40,7 @@ def test_of_a_foreign_file_nothing_is_written_at_all(tmp_path):
     assert (tmp_path / "b.ts").read_text() == "mine"
 
 
-def test_a_mark_far_down_is_somebody_elses(tmp_path):
+def test_a_file_with_a_mark_far_down_is_foreign(tmp_path):
     (tmp_path / "a.ts").write_text(f"{'mine ' * 200}{MARK}")
     with pytest.raises(UsageError, match=r"a\.ts would be overwritten"):
         write_files(tmp_path, {"a.ts": OURS}, MARK)
@@ -54,7 +54,7 @@ def test_a_foreign_file_is_replaced_if_asked_for(tmp_path):
 
 @pytest.mark.parametrize("make", [os.mkfifo, os.mkdir])
 @pytest.mark.parametrize("replace", [False, True])
-def test_what_is_no_file_is_neither_waited_for_nor_replaced(tmp_path, replace, make):
+def test_a_pipe_is_neither_waited_for_nor_replaced(tmp_path, replace, make):
     make(tmp_path / "a.ts")
     with pytest.raises(UsageError, match=r"a\.ts is not a file: choose another --output"):
         write_files(tmp_path, {"a.ts": OURS}, MARK, replace=replace)
@@ -68,7 +68,7 @@ def test_an_optional_file_of_others_stays(tmp_path):
     assert (tmp_path / "__init__.py").read_text() == "mine"
 
 
-def test_what_cannot_be_written_is_named(tmp_path):
+def test_a_file_that_cannot_be_written_is_named(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(GatewayError, match=r"cannot write .*, file exists"):
         write_files(tmp_path, {"file/a.ts": OURS}, MARK)

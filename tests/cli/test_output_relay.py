@@ -28,7 +28,7 @@ class Relay:
     sink: IO[bytes]
 
     def write(self, data: bytes) -> None:
-        """Write all; waits while the pipe is full."""
+        """Write all, and wait while the pipe is full."""
         while data:
             data = data[os.write(self.source, data) :]
 
@@ -75,7 +75,7 @@ def test_nobody_who_writes_waits_for_who_reads_and_what_is_too_much_is_counted(r
     assert relay.ended_well()
 
 
-def test_what_comes_after_a_loss_is_handed_on_again(relay: Relay):
+def test_output_after_a_loss_is_handed_on_again(relay: Relay):
     relay.write(bytes(2 * MAX_WAITING_BYTES))
     relay.sink.read(MAX_WAITING_BYTES // 2)
     relay.write(b"afterwards\n")
@@ -92,7 +92,7 @@ def test_it_ends_when_nobody_can_write_any_more(relay: Relay):
     assert relay.ended_well()
 
 
-def test_it_ends_when_it_shall_though_somebody_may_still_write(relay: Relay):
+def test_it_ends_when_it_must_though_others_may_still_write(relay: Relay):
     relay.write(b"last")
     relay.finish()
     assert relay.sink.read() == b"last"

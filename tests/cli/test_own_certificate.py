@@ -77,7 +77,7 @@ def test_another_authoritys_is_taken_as_it_is(tmp_path: Path, monkeypatch):
     assert (tmp_path / "cert.pem").read_bytes() == made
 
 
-def test_a_file_that_is_no_certificate_is_named(tmp_path: Path):
+def test_a_file_that_is_not_a_certificate_is_named(tmp_path: Path):
     (tmp_path / "cert.pem").write_text("nothing")
     with pytest.raises(UsageError, match=r"cert\.pem is not a certificate in PEM"):
         own_certificate(tmp_path)

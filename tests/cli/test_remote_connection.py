@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is said of a gateway elsewhere; `test_remote_types.py` asks real ones."""
+"""The words about a gateway elsewhere. `test_remote_types.py` asks real ones."""
 
 from gateway.cli.remote_connection import Gateway, _printable
 
@@ -8,6 +8,6 @@ def test_a_gateway_has_ten_seconds_for_an_answer_unless_it_is_said_otherwise():
     assert Gateway("ws://robot:9090/").timeout_s == 10
 
 
-def test_the_words_of_somebody_else_are_one_line_and_not_long():
+def test_foreign_words_are_one_short_line():
     assert _printable("no\nway") == "no way"
     assert _printable("x" * 100_000) == "x" * 300

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ros2-gateway generate --from`: a real gateway, and others that are none."""
+"""`ros2-gateway generate --from`: a real gateway, and servers that are not gateways."""
 
 import asyncio
 import contextlib
@@ -56,7 +56,7 @@ def generated(*arguments, **environment):
 
 
 async def said(*arguments, **environment):
-    """Run the command while the gateway's output is read; return exit code and sentence."""
+    """Run the command while the gateway's output is read, and return exit code and sentence."""
     return await asyncio.to_thread(refusal, "generate", *arguments, **environment)
 
 
@@ -103,7 +103,7 @@ async def test_types_go_by_name_number_pattern_and_topic(gateway, requested, nam
         ("9" * 5000, "type: '9999"),
     ],
 )
-async def test_what_the_gateway_does_not_know_comes_in_its_words(gateway, requested, words):
+async def test_a_type_that_the_gateway_does_not_know_comes_in_its_words(gateway, requested, words):
     code, sentence = await said("python", requested, "--from", gateway.url, *TIMEOUT)
     assert code == 2
     assert sentence.startswith(f"{gateway.url}: ")
@@ -182,7 +182,7 @@ def test_an_address_or_a_certificate_that_cannot_be_is_one_sentence(arguments, c
 
 
 @pytest.mark.parametrize("host", ["x:99999", "x:port", "[::1", "", ":9090"])
-def test_an_address_that_is_none_is_one_sentence(host):
+def test_an_invalid_address_is_one_sentence(host):
     with pytest.raises(UsageError, match=r"^--from: got 'ws://.*', expected ws://HOST:PORT or"):
         fetch(f"ws://{host}", "a/A")
 
@@ -260,7 +260,7 @@ def test_a_server_without_websockets_is_told_of():
 
 @contextlib.contextmanager
 def answering(answer):
-    """Serve a WebSocket that sends what *answer* makes of each operation; yield the address."""
+    """Serve a WebSocket that sends what *answer* makes of each operation, and yield the address."""
 
     def handle(socket_):
         for frame in socket_:
@@ -300,13 +300,13 @@ def described(operation, **members):
         {"op": "describe", "type": f"a/msg/{'A' * 200}", "definition": ""},
     ],
 )
-def test_an_answer_that_is_no_description_is_refused(reply):
+def test_an_answer_without_a_description_is_refused(reply):
     words = "the answer to describe is not that of"
     with refused(lambda operation: [{**reply, "id": operation["id"]}], words) as url:
         fetch(url, "a/A")
 
 
-def test_what_is_no_json_is_refused():
+def test_an_answer_that_is_not_json_is_refused():
     with refused(
         lambda operation: ["<html>"], "its answer is not JSON: check that it is a gateway"
     ) as url:

@@ -27,7 +27,7 @@ def test_a_pattern_stands_for_a_package_or_a_kind_of_it(pattern, found):
 @pytest.mark.parametrize(
     "text", ["a_msgs/A*", "a*/msg/A", "a_msgs/idl/*", "**", "/a/*", "a_msgs/*\n"]
 )
-def test_what_is_no_pattern(text):
+def test_another_text_is_not_a_pattern(text):
     assert not is_pattern(text)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who may connect to the gateway as people start it, and do what."""
+"""The permissions of clients of a gateway that runs as people start it."""
 
 import asyncio
 import json
@@ -60,7 +60,7 @@ async def command(*arguments: str) -> str:
 async def shown_token(gateway: GatewayProcess) -> str:
     await eventually(lambda: "more    " in "".join(gateway.output))
     printed = "".join(gateway.output)
-    if found := re.search(r"Bearer \$\(cat (\S+)\)", printed):  # this is no terminal
+    if found := re.search(r"Bearer \$\(cat (\S+)\)", printed):  # this is not a terminal
         return (text_of(Path(found[1])) or "").strip()
     found = re.search(r"Bearer (\S+)'", printed)
     assert found
@@ -87,13 +87,13 @@ async def test_without_flags_nobody_needs_a_token_and_all_is_allowed(tokens: Pat
 
 
 @pytest.mark.parametrize("flags", [("--lan",), ("--host", "0.0.0.0")])  # noqa: S104  # on purpose
-async def test_what_others_can_reach_asks_for_a_token_and_makes_one(tokens: Path, flags):
+async def test_a_gateway_that_others_can_reach_asks_for_a_token_and_makes_one(tokens: Path, flags):
     async with gateway_process("serve", *flags) as gateway:
         token = await shown_token(gateway)
         assert "other machines can connect, so clients need a token" in "".join(gateway.output)
         assert mode_of(tokens) == 0o600
         assert token not in (text_of(tokens) or "")
-        kept = tokens.with_name("first-token")  # as this is no terminal, but perhaps a log
+        kept = tokens.with_name("first-token")  # because this is not a terminal, but perhaps a log
         assert (mode_of(kept), text_of(kept)) == (0o600, f"{token}\n")
         assert token not in "".join(gateway.output)
         await eventually(lambda: logged(gateway, f"token of a new operator is in {kept}"))
@@ -214,7 +214,7 @@ async def test_a_closed_terminal_ends_the_gateway_as_ever(log_format: str, *, ha
         assert await gateway.wait() == 0
 
 
-async def test_whatever_localhost_means_to_a_client_it_is_listened_on():
+async def test_every_meaning_of_localhost_is_listened_on():
     with socket.socket(socket.AF_INET6) as probe:
         try:
             probe.bind(("::1", 0))
@@ -247,7 +247,7 @@ async def test_a_certificate_of_this_machine_encrypts_and_is_verified(tokens: Pa
         with pytest.raises(ssl.SSLCertVerificationError):
             async with client(gateway.url, ssl=ssl.create_default_context()):
                 pass
-        # who does not speak TLS is no reason to fail
+        # a client without TLS does no harm
         _, writer = await asyncio.open_connection("127.0.0.1", port_of(gateway))
         writer.write(b"GET / HTTP/1.1\r\n\r\n")
         writer.close()

@@ -74,7 +74,7 @@ async def test_a_burst_of_small_messages_is_complete(url: str, outside: Outside,
         assert texts == [str(number) for number in range(BURST)]
 
 
-async def test_what_is_lost_of_a_burst_is_counted_and_told(url: str, outside: Outside):
+async def test_losses_of_a_burst_are_counted_and_told(url: str, outside: Outside):
     async with client(url) as listener:
         publisher = outside.add_publisher("/t", STRING, DEEP)
         await listener.send(op="subscribe", topic="/t", type=STRING, qos={"depth": 5}, meta=True)

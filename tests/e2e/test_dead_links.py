@@ -16,7 +16,7 @@ pytestmark = pytest.mark.skipif(reason_against() is not None, reason=str(reason_
 
 DEAD = "ended by the network"
 
-# what it publishes on the near side is on the way to the far one whenever the link dies
+# its messages from the near side are on the way to the far one whenever the link dies
 TALKER = """
 import json, sys, time
 from websockets.sync.client import connect

@@ -29,7 +29,7 @@ COMPONENTS = [
 
 
 class Monitor:
-    """What a tool of ROS sees of the gateway."""
+    """The gateway as a tool of ROS sees it."""
 
     def __init__(self, outside: Outside) -> None:
         self._decode = Types(InstalledDefinitions()).get(ARRAY).decode
@@ -83,7 +83,7 @@ async def test_a_client_hears_of_the_gateway_as_of_any_node_and_no_entity_is_cou
     async with gateway_process("serve") as gateway, client(gateway.url) as listener:
         await listener.send(op="subscribe", topic="/diagnostics", type=ARRAY)
         entities = ""
-        while entities != "1":  # that of this subscription; one that has just ended may be heard
+        while entities != "1":  # of this subscription, because one that has just ended may be heard
             message = await listener.message("/diagnostics")
             values = {status["name"]: status["values"] for status in message["status"]}
             counted = {each["key"]: each["value"] for each in values["ros2_gateway: ROS entities"]}

@@ -47,20 +47,16 @@ async def answer(speaker: Client, op: str) -> Frame:
 
 
 @pytest.mark.parametrize("seed", range(5))
-async def test_what_a_robot_publishes_reaches_a_client(
-    seed: int, speaker: Client, outside: Outside
-):
+async def test_messages_of_a_robot_reach_a_client(seed: int, speaker: Client, outside: Outside):
     await BothWays(TRACK, speaker, outside).to_a_client(seed)
 
 
 @pytest.mark.parametrize("seed", range(5))
-async def test_what_a_client_publishes_reaches_a_robot(
-    seed: int, speaker: Client, outside: Outside
-):
+async def test_messages_of_a_client_reach_a_robot(seed: int, speaker: Client, outside: Outside):
     await BothWays(TRACK, speaker, outside).to_a_robot(seed)
 
 
-async def test_what_a_client_leaves_out_takes_the_default_of_the_file(
+async def test_a_field_that_a_client_leaves_out_takes_the_default_of_the_file(
     speaker: Client, outside: Outside
 ):
     heard: list[Any] = []

@@ -57,7 +57,7 @@ def robot() -> Iterator[Robot]:
     ],
 )
 @pytest.mark.parametrize("is_named", [False, True])
-async def test_what_an_action_or_a_service_publishes_is_read(
+async def test_topics_of_an_action_or_a_service_are_read(
     robot, topic, type_name, operation, fields, is_named
 ):
     named = {"type": type_name} if is_named else {}

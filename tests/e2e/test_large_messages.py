@@ -35,7 +35,7 @@ def outside() -> Iterator[Outside]:
     outside.close()
 
 
-async def test_who_comes_late_gets_the_same_map_without_another_encoding(
+async def test_a_late_client_gets_the_same_map_without_another_encoding(
     outside: Outside, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(slices, "TURN_NS", 0)  # so that the loop has a turn after each step
@@ -59,7 +59,7 @@ async def test_who_comes_late_gets_the_same_map_without_another_encoding(
     assert len(encoded) == 1
 
 
-async def test_who_listens_second_on_a_connection_gets_the_map_too(outside: Outside):
+async def test_a_second_listener_on_a_connection_also_gets_the_map(outside: Outside):
     types = Types(InstalledDefinitions())
     publisher = outside.add_publisher("/map", GRID, LATCHED)
     publisher.publish(types.get(GRID).encode({"data": CELLS[:9]}, now_ns=0))

@@ -79,18 +79,14 @@ def robot(tmp_path: Path) -> Iterator[Robot]:
 @needs_packages
 @unless_keyed
 @pytest.mark.parametrize("seed", range(2))
-async def test_what_a_robot_publishes_reaches_a_client(
-    seed: int, speaker: Client, outside: Outside
-):
+async def test_messages_of_a_robot_reach_a_client(seed: int, speaker: Client, outside: Outside):
     await BothWays(TRACK, speaker, outside).to_a_client(seed)
 
 
 @needs_packages
 @unless_keyed
 @pytest.mark.parametrize("seed", range(2))
-async def test_what_a_client_publishes_reaches_a_robot(
-    seed: int, speaker: Client, outside: Outside
-):
+async def test_messages_of_a_client_reach_a_robot(seed: int, speaker: Client, outside: Outside):
     publisher = outside.node.create_publisher(ros_class(TRACK), "/track", LATCHED)
     await until_described(speaker, TRACK)
     await BothWays(TRACK, speaker, outside).to_a_robot(seed)
@@ -158,7 +154,7 @@ async def test_a_definition_that_changes_is_followed(speaker: Client, tmp_path: 
             lambda frame: frame["op"] == "publish" and frame["msg"] == message
         )
         assert frame["topic"] == "/changing"
-        # what the client publishes has the new definition, too
+        # messages of the client also have the new definition
         expected = {robot_hash(later, "/changing")}
         await eventually(lambda: robot_hashes(later, "/wanted") == expected)
 
@@ -185,7 +181,7 @@ async def test_a_robot_that_does_not_answer_is_told_of(speaker: Client, tmp_path
         assert "and a node that has it has not answered within 5 s; " in status["msg"]
 
 
-async def test_who_does_not_want_nodes_to_be_asked_can_say_so(robot: Robot):
+async def test_a_setting_keeps_nodes_from_being_asked(robot: Robot):
     robot.publish("/unasked", "my_msgs/msg/Unasked", {"on": True}, Unasked="bool on\n")
     unasked = ("--set", "types.ask_nodes=false")
     async with gateway_process("serve", *unasked) as gateway, client(gateway.url) as speaker:

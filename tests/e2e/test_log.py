@@ -24,7 +24,7 @@ from tests.server.test_server import closing
 JSON = ("--log-format", "json")
 STRING = "std_msgs/msg/String"
 
-# A fault of the gateway's own, beside what libraries write and warn of.
+# A fault of the gateway, in addition to output and warnings of libraries.
 FAULTS = """
 import os, threading, warnings
 from gateway.router.router import Router
@@ -72,7 +72,7 @@ async def exchange(gateway: GatewayProcess, request: bytes) -> bytes:
 
 @pytest.fixture
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return a folder for tokens and configuration, in which modules are found, too."""
+    """Return a folder for tokens and configuration, in which modules are also found."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     return tmp_path
@@ -133,7 +133,7 @@ async def test_with_json_each_line_of_both_outputs_is_json_whatever_happens(home
 
 
 def errors(text: str) -> list[Entry]:
-    """Return what the gateway reports as an error; it may also have tidied up after others."""
+    """Return what the gateway reports as an error. It may also have tidied up after others."""
     return [
         each
         for each in entries(text.splitlines())

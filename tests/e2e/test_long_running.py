@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What must be the same after an hour as after a minute, in a gateway's process."""
+"""A gateway's process behaves after an hour as after a minute."""
 
 import asyncio
 
@@ -17,7 +17,7 @@ HANDSHAKE_S = 0.3
 NO_LIMITS = ("--set", "limits.client_time_share=1", "--set", "limits.address_time_share=1")
 
 
-async def test_what_a_client_publishes_reaches_one_that_subscribes_late():
+async def test_messages_of_a_client_reach_one_that_subscribes_late():
     async with gateway_process("serve", *NO_LIMITS) as gateway, client(gateway.url) as old:
         await old.send(op="advertise", topic="/old", type=STRING)
         for number in range(MORE_THAN_FAST_DDS_KEEPS):
@@ -31,7 +31,7 @@ async def test_what_a_client_publishes_reaches_one_that_subscribes_late():
             assert await late.message("/old") == {"data": "late"}
 
 
-async def test_goals_reach_an_action_that_is_advertised_anew():
+async def test_goals_reach_an_action_that_is_advertised_again():
     async with gateway_process("serve", *NO_LIMITS) as gateway, client(gateway.url) as caller:
         async with client(gateway.url) as first:
             await _carry_out_goals(caller, first, MORE_THAN_FAST_DDS_KEEPS)

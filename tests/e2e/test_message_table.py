@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The message table row by row, in both directions, through real DDS and a gateway process.
+"""The list of message types row by row, in both directions, through real DDS and a gateway process.
 
 The other side is plain rclpy in this process: its own messages, its own serialisation.
 """
@@ -62,7 +62,7 @@ def row_id(row: Row) -> str:
 
 
 @pytest.mark.parametrize("row", ROWS, ids=row_id)
-async def test_what_a_robot_publishes_reaches_a_client(row: Row, speaker: Client, outside: Outside):
+async def test_messages_of_a_robot_reach_a_client(row: Row, speaker: Client, outside: Outside):
     plain = MESSAGES.message(row.name)
     publisher = outside.node.create_publisher(ros_class(row.name), f"/out/t{row.number}", LATCHED)
     publisher.publish(to_ros(DEFINITIONS.get(row.name), DEFINITIONS, plain))
@@ -74,7 +74,7 @@ async def test_what_a_robot_publishes_reaches_a_client(row: Row, speaker: Client
 
 
 @pytest.mark.parametrize("row", ROWS, ids=row_id)
-async def test_what_a_client_publishes_reaches_a_robot(row: Row, speaker: Client, outside: Outside):
+async def test_messages_of_a_client_reach_a_robot(row: Row, speaker: Client, outside: Outside):
     plain = MESSAGES.message(row.name)
     heard: list[Any] = []
     topic = f"/in/t{row.number}"

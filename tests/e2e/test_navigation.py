@@ -41,7 +41,7 @@ async def until_provided(speaker: Client) -> None:
 
 @pytest_asyncio.fixture(loop_scope="module")
 async def operator(url: str) -> AsyncIterator["Operator"]:
-    """Yield a client of its own, with the robot back at its start."""
+    """Yield a separate client, with the robot back at its start."""
     async with client(url) as speaker:
         operator = Operator(speaker)
         await operator.reset()

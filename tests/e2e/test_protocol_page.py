@@ -57,7 +57,7 @@ class TooBusyError(Exception):
 
 
 async def hold(conversation: str, speaker: Client) -> str | None:
-    """Speak one example; return what was expected and did not come, if anything.
+    """Speak one example, and return what was expected and did not come, if anything.
 
     Raises:
         TooBusyError: a request timed out where the page has another answer.

@@ -272,7 +272,7 @@ async def test_an_explicit_offer_is_the_one_that_ros_sees(
     assert offered.lifespan == Duration(seconds=2.5)
 
 
-async def test_an_offer_without_wishes_is_that_of_rosbridge_but_for_the_end_of_bursts(
+async def test_an_offer_without_wishes_is_that_of_rosbridge_except_for_the_end_of_bursts(
     speaker: Client, robot: Robot, topic: str
 ):
     await speaker.send(op="advertise", topic=topic, type=STRING)
@@ -291,20 +291,20 @@ async def test_a_node_that_insists_on_transient_local_hears_a_client(
             await asyncio.sleep(0.05)
 
 
-async def test_who_listens_before_a_client_begins_to_publish_gets_each_message_once(
+async def test_a_listener_from_before_the_first_publish_gets_each_message_once(
     gateway: GatewayProcess, speaker: Client, topic: str
 ):
     async with client(gateway.url) as listener:
         await listener.send(op="subscribe", topic=topic, type=STRING)
         await listener.sync()
-        for number in range(20):  # a subscription that adopted anything would do so meanwhile
+        for number in range(20):  # long enough for a subscription that adopts anything
             text = str(number)
             await speaker.send(op="publish", topic=topic, type=STRING, msg={"data": text})
             assert await texts(listener, topic, 1) == [text]
             await asyncio.sleep(0.02)
 
 
-async def test_who_publishes_what_a_node_does_not_match_is_told(
+async def test_a_publisher_that_a_node_does_not_match_is_told(
     speaker: Client, robot: Robot, topic: str
 ):
     qos = {"durability": "volatile"}
@@ -358,7 +358,7 @@ async def test_a_message_beyond_its_lifespan_is_not_kept_for_later(
                 await asyncio.sleep(0.05)
 
 
-async def test_who_insists_on_what_is_not_offered_is_told_and_nobody_else(
+async def test_a_client_that_insists_on_a_missing_offer_is_told_and_no_other(
     gateway: GatewayProcess, speaker: Client, robot: Robot, topic: str
 ):
     publisher = robot.publisher(QoSProfile(depth=5, reliability=BEST_EFFORT))

@@ -30,9 +30,9 @@ SEQUENCE = b"\0\1\0\0\0\0\0\0"  # an empty one
 
 
 def operations(number: int) -> Iterator[dict[str, Any]]:
-    """All that opens something, each with names of its own and shared ones.
+    """All that opens something, each with separate names and shared ones.
 
-    But for transforms: the gateway listens to them for half a minute after the last lookup.
+    Transforms are left out: the gateway listens to them for half a minute after the last lookup.
     """
     for name in (f"own_{number}", "shared"):
         yield {"op": "subscribe", "topic": f"/{name}", "type": "std_msgs/String"}
@@ -119,7 +119,9 @@ def outside() -> Iterator[Outside]:
         yield outside
 
 
-async def test_what_rough_clients_had_open_is_closed_and_forgotten(outside: Outside) -> None:
+async def test_everything_that_rough_clients_had_open_is_closed_and_forgotten(
+    outside: Outside,
+) -> None:
     """Also of ROS nodes that never answer, and of each other."""
     requests: list[Request] = []
     goals: list[GoalRequest] = []
@@ -132,7 +134,7 @@ async def test_what_rough_clients_had_open_is_closed_and_forgotten(outside: Outs
     outside.add_service("/silent", "std_srvs/srv/SetBool", requests.append)
     outside.add_action_server("/slow", FIBONACCI, goals.append, cancel)
     async with gateway_process("serve") as gateway:
-        async with client(gateway.url) as first:  # what is loaded once and stays
+        async with client(gateway.url) as first:  # loads what stays loaded
             for operation in operations(-1):
                 await first.send(**operation)
             await first.sync()
@@ -152,10 +154,10 @@ async def test_what_rough_clients_had_open_is_closed_and_forgotten(outside: Outs
         assert not [line for line in gateway.log if "Traceback" in line]
 
 
-# what the robot's own rclpy says when it answers a gateway that has left
+# a warning of the robot's own rclpy when it answers a gateway that has left
 @pytest.mark.filterwarnings("ignore:failed to send response")
 async def test_a_gateway_that_is_stopped_cancels_its_clients_goals(outside: Outside) -> None:
-    """A robot must not drive on for somebody who cannot stop it any more."""
+    """A robot must not drive on for a client that can no longer stop it."""
     goals: list[GoalRequest] = []
     cancelled: list[GoalRequest] = []
     outside.add_action_server("/slow", FIBONACCI, goals.append, cancelled.append)

@@ -44,7 +44,7 @@ class Way:
 
     @property
     def files(self) -> list[str]:
-        """The files in order; what is generated belongs to none."""
+        """The files in order. Generated code belongs to none."""
         found = (code.co_filename for code in self.calls if code.co_filename.startswith(ROOT))
         return list(dict.fromkeys(found))
 

@@ -47,7 +47,7 @@ def test_a_slow_link_carries_odometry_in_order_and_pictures_that_fit_it(
     assert (pictures[0]["width"], pictures[0]["quality"]) == (640, 80)
     assert (pictures[-1]["width"], pictures[-1]["quality"]) < (640, 80)
     assert len(odometry) > len(pictures)
-    # what is missing was dropped, and is counted
+    # missing messages were dropped, and are counted
     for one, next_one in pairwise(odometry):
         lost = next_one["dropped"] - one["dropped"]
         assert next_one["seq"] - one["seq"] - 1 == lost >= 0

@@ -49,7 +49,7 @@ async def found(speaker: Client, request_id: str) -> Any:
     return (await speaker.receive(is_answer))["transform"]
 
 
-async def test_where_the_laser_is_on_the_map_is_one_question(speaker: Client):
+async def test_the_place_of_the_laser_on_the_map_takes_one_question(speaker: Client):
     await speaker.send(
         op="lookup_transform", id="a", target_frame="map", source_frame="base_scan", timeout=60
     )

@@ -74,7 +74,7 @@ def outside() -> Iterator[Outside]:
 
 @pytest.mark.parametrize("name", MESSAGES)
 @pytest.mark.parametrize("seed", range(3))
-async def test_what_a_robot_publishes_reaches_a_client(
+async def test_messages_of_a_robot_reach_a_client(
     seed: int, name: str, speaker: Client, outside: Outside
 ):
     await BothWays(name, speaker, outside).to_a_client(seed)
@@ -82,7 +82,7 @@ async def test_what_a_robot_publishes_reaches_a_client(
 
 @pytest.mark.parametrize("name", MESSAGES)
 @pytest.mark.parametrize("seed", range(3))
-async def test_what_a_client_publishes_reaches_a_robot(
+async def test_messages_of_a_client_reach_a_robot(
     seed: int, name: str, speaker: Client, outside: Outside
 ):
     await BothWays(name, speaker, outside).to_a_robot(seed)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a message on its way into ROS wakes, counted by the kernel."""
+"""The threads that a message on its way into ROS wakes, counted by the kernel."""
 
 import contextlib
 import re

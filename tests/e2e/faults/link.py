@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A link that can be cut: it passes bytes on until this process is stopped by SIGSTOP.
 
-While it is stopped, the kernels on both sides keep what is sent, as they do over a dead radio link;
-when it continues, all of that arrives at once.
+While it is stopped, the kernels on both sides keep what is sent, as they do over a dead radio link.
+When it continues, all of that arrives at once.
 """
 
 import asyncio

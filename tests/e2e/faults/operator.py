@@ -18,7 +18,7 @@ LET_GO_S = 0.6
 
 
 class Stick:
-    """Pushed, but for a while after `let_go`."""
+    """Pushed, except for a while after `let_go`."""
 
     def __init__(self) -> None:
         self.pushed_s = 0.0
@@ -34,7 +34,7 @@ class Stick:
 
 
 def drive(url: str, stick: Stick) -> None:
-    # a queue that fills up would keep pongs, too, from a program that reads nothing
+    # a queue that fills up would also keep pongs from a program that reads nothing
     with connect(url, proxy=None, compression=None, max_queue=None) as socket:
         while True:
             socket.send(json.dumps(stick.command))

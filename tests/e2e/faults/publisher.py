@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A publisher in a process of its own, which sends whatever bytes it is told to.
+"""A publisher in a separate process, which sends any bytes that it is told to.
 
 Arguments: topic, type, reliability. A line of standard input is a word and CDR in hexadecimal:
 ``once`` publishes it, ``repeat`` does so at 20 Hz until the next line. Each line is answered by

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A base in a process of its own: it prints what it hears on ``/cmd_vel``, and when.
+"""A base in a separate process: it prints what it hears on ``/cmd_vel``, and when.
 
 A line is the monotonic clock in nanoseconds, which all processes of a machine share, and the speed.
 """

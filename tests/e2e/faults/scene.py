@@ -12,7 +12,7 @@ from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 
 START_S = 180  # a busy machine imports for a while
-MOVES_FOR = 5  # commands that the robot has to hear before a fault: it is no accident that it moves
+MOVES_FOR = 5  # commands that the robot has to hear before a fault, so that it surely moves
 LATELY_NS = 300_000_000
 
 _PORT = re.compile(r"wss?://\S+?:(\d+)")
@@ -20,7 +20,7 @@ _PORT = re.compile(r"wss?://\S+?:(\d+)")
 
 @dataclass
 class Base:
-    """What the robot has heard: times of the monotonic clock and speeds, oldest first."""
+    """The commands that the robot has heard: times (monotonic) and speeds, oldest first."""
 
     process: Process
     heard: list[tuple[int, float]] = field(default_factory=list)
@@ -124,7 +124,7 @@ async def gateway(*arguments: str) -> AsyncIterator[Gateway]:
 
 @contextlib.asynccontextmanager
 async def link(port: int) -> AsyncIterator[tuple[Process, str]]:
-    """Run a link to a port; yield its process and its address."""
+    """Run a link to a port, and yield its process and its address."""
     async with process("tests.e2e.faults.link", "127.0.0.1", str(port)) as started:
         yield started, f"ws://127.0.0.1:{int(await line(started))}/"
 

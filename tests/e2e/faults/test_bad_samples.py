@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bytes that are no message, and pictures that contradict themselves, from a real publisher."""
+"""Bytes that are not a message, and images that contradict themselves, from a real publisher."""
 
 import asyncio
 import base64
@@ -34,7 +34,7 @@ GOOD: dict[str, dict[str, Any]] = {
     IMAGE: {"width": 4, "height": 2, "encoding": "rgb8", "step": 12, "data": list(range(24))},
     COMPRESSED: {"format": "jpeg", "data": list(range(24))},
 }
-# what a picture says, and what the client is told
+# the fields of an image, and the text for the client
 CONTRADICTIONS: tuple[tuple[dict[str, Any], str], ...] = (
     ({"encoding": "rgb9"}, "unknown image encoding 'rgb9'"),
     ({"encoding": ""}, "unknown image encoding ''"),
@@ -72,7 +72,7 @@ def topic() -> str:
 # Malformed CDR
 
 BROKEN = (
-    b"\0\1",  # half a header; DDS fills it up
+    b"\0\1",  # half a header, which DDS fills up
     LITTLE + b"\5\0\0\0te",
     b"\0\2\0\0" + TEXT[4:],  # a parameter list
     b"\0\7\0\0" + TEXT[4:],  # XCDR2
@@ -89,7 +89,7 @@ READABLE = {
 
 
 async def heard(of: Client, talker: Publisher, topic: str, good: bytes) -> tuple[Any, list[Frame]]:
-    """Publish what is good until it comes; return it, and the statuses that came before."""
+    """Publish what is good until it comes, and return it, and the statuses that came before."""
     of.seen.clear()
     await talker.repeat(good)
     message = await of.message(topic)
@@ -97,7 +97,7 @@ async def heard(of: Client, talker: Publisher, topic: str, good: bytes) -> tuple
 
 
 def read(of: Client) -> list[Frame]:
-    """Read what comes for a client that only watches; the gateway closes those that do not."""
+    """Read what comes for a client that only watches. The gateway closes those that do not."""
     frames: list[Frame] = []
 
     async def follow() -> None:
@@ -111,7 +111,7 @@ def read(of: Client) -> list[Frame]:
 
 
 async def told_of(of: Client, talker: Publisher, topic: str, cdr: bytes) -> Frame:
-    """Publish what is broken; return the status that says so."""
+    """Publish what is broken, and return the status that says so."""
     await talker.publish(cdr)
     status = await of.status()
     assert (status["level"], status["code"]) == ("warning", "invalid_value")
@@ -120,7 +120,7 @@ async def told_of(of: Client, talker: Publisher, topic: str, cdr: bytes) -> Fram
     return status
 
 
-async def test_samples_that_are_no_messages_are_told_of_and_the_next_ones_come(
+async def test_invalid_samples_are_reported_and_the_next_ones_come(
     gateway: GatewayProcess, topic: str
 ):
     async with (
@@ -142,7 +142,7 @@ async def test_samples_that_are_no_messages_are_told_of_and_the_next_ones_come(
         assert {frame["op"] for frame in frames} == {"publish"}
 
 
-async def test_what_can_still_be_read_is_read(gateway: GatewayProcess, topic: str):
+async def test_readable_messages_are_still_read(gateway: GatewayProcess, topic: str):
     async with client(gateway.url) as listener, publisher(topic, STRING) as talker:
         await listener.send(op="subscribe", topic=topic, type=STRING)
         for cdr, text in READABLE.items():

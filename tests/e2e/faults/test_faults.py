@@ -53,7 +53,7 @@ async def stopped(robot: Base, since_ns: int) -> int:
 
 
 async def injected(robot: Base, driver, inject: Callable[[], None]) -> int:
-    """Inject a fault into a robot that moves; return when, or anew if it stopped meanwhile."""
+    """Inject a fault into a robot that moves, and return when. Try again if it has stopped."""
     while True:
         await until_it_moves(robot, driver)
         before_ns = time.monotonic_ns()
@@ -116,7 +116,7 @@ async def test_after_a_blackout_nothing_moves_until_the_stick_is_let_go(
             )
             await asyncio.sleep(max(dark_s - (time.monotonic_ns() - at_ns) / 1e9, 0.1))
             cable.send_signal(signal.SIGCONT)
-            # the operator pushes all the time; nothing of it may come, old or new
+            # the operator pushes all the time, and nothing of it may come, old or new
             await asyncio.sleep(QUIET_S + (1 if dark_s > 10 else 0))
             assert robot.moved_after(zero_ns) == []
             driver.send_signal(signal.SIGUSR1)
@@ -196,7 +196,7 @@ async def judge_late_input(robot: Base, measured, operator: Callable[[], connect
             measured("client silent, its input late", took_s, after_s=after_s, allowed_s=0.1)
 
 
-# Gateway: each needs one of its own
+# Gateway: each needs a separate one
 
 
 @contextlib.asynccontextmanager
@@ -250,7 +250,7 @@ async def test_a_gateway_that_hangs_stops_the_robot_and_does_not_move_it_afterwa
 
 
 async def test_a_guard_that_is_killed_stops_the_robot_until_another_one_is_there(robot, measured):
-    for _ in REPETITIONS:  # each of a gateway of its own: the second restart is a later one
+    for _ in REPETITIONS:  # each with a separate gateway: the second restart is a later one
         async with driven(robot) as (own, driver):
             guard = guard_of(own)
             at_ns = await injected(robot, driver, lambda g=guard: os.kill(g, signal.SIGKILL))

@@ -26,7 +26,7 @@ STRING = "std_msgs/msg/String"
 PAGE = 4096
 TEXT = b"\0\1\0\0\5\0\0\0text\0"
 
-# What follows the folder $1 runs with a small disk there. The test reaches it by /proc/PID/root.
+# The command after the folder $1 has a small disk there. The test reaches it by /proc/PID/root.
 _MOUNT = 'mount -t tmpfs -o size=64k,mode=755 tmpfs "$1" && shift && exec "$@"'
 _SERVE = (sys.executable, "-m", "tests.patient_gateway", "serve", "--port", "0")
 
@@ -49,7 +49,7 @@ def run(*arguments: str, **options: object) -> "subprocess.CompletedProcess[str]
 
 
 def in_a_full_disk(tmp_path: Path, *commands: str, before: str = "true") -> tuple[list[str], str]:
-    """Run ros2-gateway in shells on a disk that is full; return exit codes, files and errors."""
+    """Run ros2-gateway in shells on a full disk, and return exit codes, files and errors."""
     disk = tmp_path / "disk"
     disk.mkdir()
     gateway = f"{shlex.quote(sys.executable)} -m gateway"

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A robot that starts again while somebody pushes: it stands, then drives, and the gateway dies.
+"""A robot that starts again during a push: it stands, then drives, and the gateway dies.
 
-Beside none, one or three others that listen to the same topic. With ``FAULTS_BUSY=8``, beside so
-many processes that do nothing but turn.
+None, one or three others listen to the same topic. With ``FAULTS_BUSY=8``, that many busy loops
+run at the same time.
 """
 
 import asyncio

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Publishers that die, and return as they were or otherwise; each a process of its own."""
+"""Publishers in separate processes that die, and return as they were or otherwise."""
 
 import itertools
 import signal
@@ -66,7 +66,7 @@ async def test_a_killed_publisher_is_told_of_by_its_silence_and_heard_when_it_re
                 assert await does_not_ask.message(topic) == {"data": "text"}
                 await talker.end(signal.SIGKILL)
             await status(asks, "stale")
-            assert await publishers(asks, topic) != []  # where it still seems to be alive
+            assert await publishers(asks, topic) != []  # it still seems to be alive there
             frames = [*does_not_ask.seen, *await does_not_ask.sync()]
             codes |= {frame["code"] for frame in frames if frame["op"] != "publish"}
         assert codes <= {"publisher_gone"}  # of those that were killed 20 s ago

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A gateway that is killed and started anew under load; its clients come back by themselves."""
+"""A gateway that is killed and started again under load. Its clients come back by themselves."""
 
 import asyncio
 import contextlib
@@ -178,7 +178,7 @@ class UnityClient:
         await until(has_come)
 
     async def is_lost(self) -> None:
-        """It is not asked; that its text comes back again is enough."""
+        """It is not asked: it is enough that its text comes back."""
 
     async def close(self) -> None:
         if self._process is not None:
@@ -187,11 +187,11 @@ class UnityClient:
 
 
 def gateways(outside: Outside) -> int:
-    """Count the gateways in the ROS graph; a killed one stays there for some 20 s."""
+    """Count the gateways in the ROS graph. A killed one stays there for about 20 s."""
     return outside.node.get_node_names().count("ros2_gateway_debug")
 
 
-async def test_a_gateway_that_is_killed_and_started_anew_leaves_nothing_and_loses_no_client(
+async def test_a_gateway_that_is_killed_and_started_again_leaves_nothing_and_loses_no_client(
     comes_back, robot: Base, outside: Outside, measured
 ):
     port = free_port()

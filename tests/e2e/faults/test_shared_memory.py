@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The shared memory of a gateway that is killed while nobody else takes part in ROS.
 
-Where somebody does, who has received from it, Fast DDS removes it there.
+If a process that has received from it still runs, Fast DDS removes it there.
 """
 
 from tests.e2e.faults import scene
@@ -9,7 +9,7 @@ from tests.e2e.faults.processes import SHARED_MEMORY, is_old, segments_of
 from tests.e2e.faults.scene import until
 
 
-async def test_what_a_killed_gateway_left_is_gone_once_the_next_one_runs():
+async def test_the_rest_of_a_killed_gateway_is_gone_once_the_next_one_runs():
     async with scene.gateway() as gateway:
         remains = segments_of(gateway.process.pid)
         assert remains
