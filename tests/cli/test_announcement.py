@@ -12,6 +12,7 @@ from gateway.app import Listening
 from gateway.cli import announcement
 from gateway.cli.announcement import filled, own_url, qr_code, qr_text
 from gateway.cli.tokens import kept_from_logs
+from tests.doc_blocks import texts
 
 LAN = (("0.0.0.0", 9090), ("::", 9090))  # noqa: S104  # of a text, not bound
 HERE = (("127.0.0.1", 9090),)
@@ -56,6 +57,12 @@ def test_a_new_token_is_in_lines_for_wscat_and_unity():
         f"  Unity   Address: ws://{HOME}:9090/   Token: r2g_x",
         f"  more    ros2-gateway token create NAME --role viewer, then kill -HUP {os.getpid()}",
     ]
+
+
+def test_the_page_about_the_network_shows_these_lines():
+    shown = texts("how-to/open-to-network.md", "text")[0].strip()
+    lines = announcement.announcement(listening(new_token="r2g_..."))  # noqa: S106
+    assert shown == lines.replace(f"kill -HUP {os.getpid()}", "kill -HUP 1234")
 
 
 def test_a_new_token_is_not_shown_on_an_output_that_may_be_a_log(tmp_path):
