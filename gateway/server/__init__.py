@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The WebSocket server. The only importer of websockets beside `gateway.cli.remote_connection`.
+"""The WebSocket server. Only it and `gateway.cli.remote_connection` import websockets.
 
 The map is docs/contributing/architecture.md.
 """

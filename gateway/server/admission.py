@@ -164,8 +164,8 @@ class Admission:
     ) -> list[Session]:
         """Go on with other tokens and permissions. Close the clients that these no longer fit.
 
-        A client whose permissions have changed is closed, too: so all that it has open ends, and it
-        opens anew what it still may. Return the sessions of those that were closed.
+        A client whose permissions have changed is also closed, so everything that it has open ends.
+        It connects again with the new permissions. Return the sessions of closed clients.
         """
         ended = []
         self._authentication.tokens = tokens
@@ -202,11 +202,14 @@ class Admission:
         """Carry out an `auth` operation.
 
         Raises:
-            ProtocolError: it has no token where one is needed, or the client is somebody already.
+            ProtocolError: the token is missing, or the client has signed in already.
         """
         if operation.token is None:
             if session.identity is None:
-                raise ProtocolError("bad_request", "token: missing; rosbridge's `mac` is not used")
+                raise ProtocolError(
+                    "bad_request",
+                    "token is missing: send it as `token`, because rosbridge's `mac` is not used",
+                )
             return  # of an old client, where it needs none
         if self._authentication.looks_at_tokens:
             try:

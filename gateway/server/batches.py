@@ -11,7 +11,7 @@ from gateway.codec.pieces import Piece
 _Write = Callable[[Iterable[Piece]], object]
 
 
-# A join of fewer is cheaper than a system call for each frame; of more it holds up all others.
+# A join of fewer bytes is cheaper than a system call for each frame. A larger one delays others.
 MOST_JOINED_BYTES: Final = 256 * 1024
 
 

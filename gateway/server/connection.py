@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """One client's socket: bytes in and out, flow control, keep-alive, orderly closing.
 
-The WebSocket protocol itself is `websockets`' sans-I/O `ServerProtocol`. Most input bypasses it, by
-the `FrameReader`, and so do data frames that go out: they are framed once for all clients, and
-written here in batches, only as far as the socket takes them. The rest waits, and can be dropped.
+The WebSocket protocol itself is `websockets`' sans-I/O `ServerProtocol`. Most input goes
+through the `FrameReader` instead. Outgoing data frames are built once for all clients, and written
+here in batches, as far as the socket accepts them. The rest waits, and can be dropped.
 """
 
 import asyncio
@@ -129,7 +129,7 @@ class Connection(asyncio.BufferedProtocol):
         session, self._session = self._session, None
         try:
             self._acceptor.left(self, session, self._end(session, exc, start_s))
-        finally:  # closing what a client had open takes time that it has to pay, too
+        finally:  # the time to close its subscriptions also counts for the client
             self.spending.close(time.monotonic() - start_s)
             self._pacing.close()
 
@@ -207,7 +207,7 @@ class Connection(asyncio.BufferedProtocol):
             self._transport.close()
 
     def turn_away(self, close_code: int, reason: str, code: StatusCode | None) -> None:
-        """Close a client that has no session, with words. With a *code* by a `status`, too."""
+        """Close a client without a session. If there is a *code*, send a `status` first."""
         # .NET's WebSocket shows its program no close code of 1012 to 1014, and no reason
         if code is not None:
             self._protocol.send_text(messages.status("error", reason, code=code))
@@ -268,7 +268,7 @@ class Connection(asyncio.BufferedProtocol):
             self.abort(Why("gateway", "handshake", f"no handshake {in_time}"))
 
     def _is_sending_page(self, now_s: float) -> bool:
-        """Return whether a peer that is no client has yet to take what it asked for."""
+        """Return whether a peer without a session must still accept its answer."""
         end_s = self._opened_s + self._limits.open_timeout_s + self._limits.send_deadline_s
         is_sending = self._session is None and self._transport.get_write_buffer_size() > 0
         return is_sending and now_s <= end_s
@@ -296,7 +296,7 @@ class Connection(asyncio.BufferedProtocol):
                 receive_message(self._session, message, receive, is_text=self._assembly.is_text)
 
     def end_piece(self) -> None:
-        """Send what `websockets` answers by itself. Before a close frame of its own, say why."""
+        """Send the answers of `websockets`. Before its own close frame, send the reason."""
         if output := self._protocol.data_to_send():
             try:
                 self._explain_failure()
@@ -350,7 +350,7 @@ class Connection(asyncio.BufferedProtocol):
             if isinstance(self._protocol.handshake_exc, InvalidMessage):
                 self._closing_s = time.monotonic()
                 response = self._acceptor.malformed(self._start)
-                self._why = answered(int(response.split()[1]), "no HTTP request that is understood")
+                self._why = answered(int(response.split()[1]), "not a supported HTTP request")
                 self._transport.write(response)
             return
         if isinstance(self._protocol.parser_exc, PayloadTooBig):

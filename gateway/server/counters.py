@@ -9,7 +9,7 @@ from gateway.server.end import End
 
 RECENT: Final = 40  # lags, ten seconds of them: /diagnostics is read by people
 
-# of RFC 6455; a client may close with any number from 1000 to 4999, so others count together
+# of RFC 6455. Clients can use any number from 1000 to 4999, so the others count together
 _CODES: Final = frozenset({*range(1000, 1004), *range(1005, 1016)})
 # of responses that begin no WebSocket, by the rule that refuses them
 _REFUSALS: Final = {
@@ -28,7 +28,7 @@ _REFUSALS: Final = {
 
 
 class ServerCounters:
-    """The counts. Their labels are from closed sets, whatever clients do."""
+    """The counts. Clients cannot add labels."""
 
     def __init__(self) -> None:
         self.sessions = 0
@@ -39,7 +39,7 @@ class ServerCounters:
 
     @property
     def max_lag_s(self) -> float:
-        """The largest lag of the last seconds."""
+        """The largest lag of the last ten seconds."""
         return max(self._recent_s, default=0.0)
 
     def late(self, late_s: float) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The end of a connection: who ended it, why, and what it was until then."""
+"""The end of a connection: its cause, and the counts until then."""
 
 import logging
 from dataclasses import dataclass
@@ -24,18 +24,18 @@ from gateway.server.close_codes import (
 
 By = Literal["client", "gateway", "network"]
 
-# A few words of ours, so that they can be counted: whatever clients do, there are no others.
+# A closed set, so that they can be counted.
 Reason = Literal[
     "closed",  # by the client, with any code
     "lost",  # without a closing handshake: killed, reset, out of reach
-    "http",  # a page or the health was asked for, and answered
-    "handshake",  # no WebSocket came of it
+    "http",  # a page or the health was sent
+    "handshake",  # no WebSocket began
     "going_away",  # the gateway shuts down, or the permissions have changed
     "over_capacity",
     "unauthenticated",
     "role_removed",
     "slow_consumer",
-    "send_timeout",  # the client takes nothing
+    "send_timeout",  # the client accepts no data
     "abuse",  # more frames or pings, or refused operations, than are allowed
     "protocol_error",
     "invalid_data",
@@ -67,7 +67,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Why:
-    """The cause of an end, in a word to count by and in words to read."""
+    """The cause of an end: a word to count, and a text to read."""
 
     by: By
     reason: Reason
@@ -75,8 +75,8 @@ class Why:
     code: int | None = None  # of the close frame, or of an HTTP response
 
 
-# who gets pictures until it closes its side
-LOOKED_AWAY: Final = Why("client", "http", "it looks at no pictures any more", 200)
+# a viewer of images has closed its side
+LOOKED_AWAY: Final = Why("client", "http", "it does not show images any more", 200)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ class End:
     frames_out: int = 0
 
     def log(self) -> None:
-        """Write the one line about it."""
+        """Write its line in the log."""
         why = self.why
         logger.log(
             _LEVELS.get(why.reason, logging.INFO),
@@ -135,14 +135,13 @@ def answered_with(response: Response) -> Why | None:
 def ended_elsewhere(
     protocol: ServerProtocol, error: Exception | None, *, was_open: bool, is_silent: bool
 ) -> Why:
-    """Return the cause of an end that the connection has not brought about itself.
+    """Return the cause of an end that the connection did not cause itself.
 
-    *was_open* is true of a WebSocket, *is_silent* of who has sent nothing at all, *error* is of the
-    socket.
+    *was_open*: it was a WebSocket. *is_silent*: the peer has sent nothing. *error*: of the socket.
     """
     if protocol.close_rcvd is not None:
         return Why("client", "closed", protocol.close_rcvd.reason, protocol.close_rcvd.code)
-    if protocol.close_sent is not None:  # `websockets` has found bytes that are not a frame
+    if protocol.close_sent is not None:  # `websockets` has found an invalid frame
         return closed_by_gateway(protocol.close_sent.code, protocol.close_sent.reason)
     text = ((error.strerror if isinstance(error, OSError) else None) or str(error)).lower()
     if was_open:

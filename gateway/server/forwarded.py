@@ -19,8 +19,8 @@ _WITH_PORT: Final = re.compile(r"^(?:\[(?P<v6>[^\]]+)\]|(?P<v4>[0-9.]+))(?::[0-9
 def client_address(peer: str, headers: Headers, trusted: Sequence[Network]) -> str:
     """Return the address that counts as the client's.
 
-    It is the nearest one that is no trusted proxy's. What lies beyond is the client's own claim,
-    and so is everything if the peer itself is not trusted.
+    It is the nearest address that does not belong to a trusted proxy. Addresses beyond it are only
+    the client's claim, and so is everything if the peer itself is not trusted.
     """
     address = peer
     if not _is_trusted(peer, trusted):

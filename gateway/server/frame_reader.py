@@ -2,7 +2,7 @@
 """The WebSocket frames that a client sends (RFC 6455, section 5.2).
 
 `websockets` reads them, and is ready to go on at any byte, which costs 3 us a frame in a hot loop.
-Nearly all are messages of one frame that are there as a whole. Read here they take a third of that.
+Nearly all are complete messages of one frame. Read here they take a third of that.
 """
 
 from collections.abc import Sequence
@@ -24,8 +24,8 @@ _OPCODE: Final = 0x0F
 # ... of a message in one frame: FIN, no extension, and the opcode
 _PLAIN: Final = {_FIN | opcode: opcode for opcode in (Opcode.TEXT, Opcode.BINARY)}
 
-# In the second byte: that there is a mask, at the end of the head, and a length up to 125, or that
-# this is in the next two bytes; else it is in the next eight.
+# The second byte has a flag for the mask, which ends the head, and a length up to 125. The value
+# 126 means that the length is in the next two bytes, and 127 that it is in the next eight.
 _MASKED: Final = 0x80
 _MEDIUM: Final = 126
 
@@ -36,10 +36,10 @@ _LONGEST_HEAD: Final = 10 + _MASK_LENGTH
 
 
 class FrameReader:
-    """Reads what one client sends as `websockets` does, to which it leaves all but plain messages.
+    """Reads plain messages of one client, and leaves everything else to `websockets`.
 
-    To know when `websockets` is between two frames, and between two messages, it looks at the heads
-    of the frames that it leaves. *protocol* has no extensions, and no limit for a frame of its own.
+    It also reads the heads of the frames that it leaves, because it must know when `websockets` is
+    between two frames or messages. *protocol* has no extensions, and no limit for a single frame.
     """
 
     __slots__ = ("_head", "_is_in_message", "_missing_bytes", "_protocol")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The health of the gateway, as supervisors of processes ask for it: is it alive, is it ready?
+"""The health of the gateway for supervisors: is it alive, is it ready?
 
-Whoever gets an answer at all knows that the event loop turns.
+An answer also proves that the event loop runs.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -31,7 +31,7 @@ def no_faults() -> Sequence[Fault]:
 
 @dataclass(frozen=True, slots=True)
 class Health:
-    """The faults that there are, and what follows from them."""
+    """The current faults, and the resulting status."""
 
     faults: tuple[Fault, ...] = ()
 
@@ -43,7 +43,7 @@ class Health:
 
     @property
     def is_live(self) -> bool:
-        """False if only another start helps."""
+        """False if only a restart helps."""
         return self.status != "dead"
 
     @property

@@ -48,24 +48,25 @@ Pictures for any page are at /stream?topic=/camera/image_raw and /snapshot.
 """
 _VERSION: Final = "13"  # Sec-WebSocket-Version
 _JSON: Final = "application/json; charset=utf-8"
-# where rosbridge_suite answers a client that wants to know with what it talks, and how
+# the path of rosbridge_suite for the versions of the protocol and of the server
 _VERSIONS: Final = "/version"
 _PROTOCOL: Final = {"major": 2, "minor": 0, "patch": 0}
-_NOT_ALLOWED: Final = "only GET and HEAD\n"
+_NOT_ALLOWED: Final = "this method is not supported: use GET or HEAD\n"
 _FOREIGN_HOST: Final = (
-    "this gateway has another name; the operator can allow this one by allowed_hosts\n"
+    "this is not a name of this gateway: use its address, or have the operator add the name to"
+    " allowed_hosts\n"
 )
 _OTHER_METHODS: Final = frozenset({"POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT"})
 
 
 # of all headers together, names and values: enough for a browser with its cookies, and parsed
-# within a millisecond, before anything is known of who sends them
+# within a millisecond
 MAX_HEADER_CHARACTERS: Final = 16 * 1024
 _METHODS: Final = frozenset({"GET", "HEAD"})
 
 
 class Asker(Protocol):
-    """A connection, as far as what takes longer is concerned: a page, or pictures."""
+    """A connection that gets a page later, or images."""
 
     address: str
 
@@ -75,7 +76,7 @@ class Asker(Protocol):
 
     @property
     def awaits_page(self) -> bool:
-        """True until it has taken the page that it gets later."""
+        """True until it has accepted the page that it gets later."""
 
     def answer(self, response: Response) -> None:
         """Send the response to the request, unless the peer is gone."""
@@ -142,23 +143,27 @@ class HttpFront:
         except UrlOptionError as error:
             return protocol.reject(400, f"{error}\n")
         except (ValueError, LookupError):  # an invalid path or host, or a header twice
-            return protocol.reject(400, "this request contradicts itself\n")
+            return protocol.reject(
+                400, "this request contradicts itself: send one valid path and one host\n"
+            )
 
     def malformed(self, start: bytes) -> bytes:
-        """Return the response to a request that `websockets` does not understand.
+        """Return the response to a request that `websockets` cannot parse.
 
-        It understands none with a body, so the method decides.
+        It cannot parse requests with a body, so the method decides.
         """
         method = start.split(b" ")[0].decode("latin-1")
         if method in _OTHER_METHODS:
             return _raw(405, "Method Not Allowed", _NOT_ALLOWED, "Allow: GET, HEAD\r\n")
-        return _raw(400, "Bad Request", "this is no HTTP request\n")
+        return _raw(400, "Bad Request", "this is not an HTTP request\n")
 
     def _respond(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
         if sum(len(name) + len(value) for name, value in request.headers.raw_items()) > (
             MAX_HEADER_CHARACTERS
         ):
-            return protocol.reject(431, f"at most {MAX_HEADER_CHARACTERS} characters of headers\n")
+            return protocol.reject(
+                431, f"the headers are too long: send at most {MAX_HEADER_CHARACTERS} characters\n"
+            )
         host = _to_origin_form(request)
         if not self._rules.is_own_host(host):
             self._log_foreign(host)
@@ -180,7 +185,9 @@ class HttpFront:
         ):
             return found
         if path != self._path:
-            return protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
+            return protocol.reject(
+                404, f"nothing is at this path: connect the WebSocket to {self._path}\n"
+            )
         check_target(request.path)
         url_options(request.path)  # refuses an unknown one while there is a response for it
         token_in(
@@ -195,7 +202,7 @@ class HttpFront:
     def _told_to_all(
         self, protocol: ServerProtocol, request: Request, path: str
     ) -> Response | None:
-        """Return what anybody may know: the health, and the versions as rosbridge answers them."""
+        """Return pages for everybody: the health, and the versions as in rosbridge."""
         if path == _VERSIONS:
             versions = {"protocol": _PROTOCOL, "server": self._details()["version"]}
             return page(protocol, request, orjson.dumps(versions), _JSON)
@@ -207,7 +214,7 @@ class HttpFront:
         return response
 
     def _page(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
-        """Return a page or a part of one. The start page is a text for who asks for no HTML."""
+        """Return a page or a part of one. Without HTML in `Accept`, the start page is a text."""
         path = urlsplit(request.path).path
         if path in {"/", self._path}:
             check_target(request.path)
@@ -226,7 +233,7 @@ class HttpFront:
         name = urlsplit(f"//{host}").hostname or ""
         if is_plain(name) and self._rules.first_refusal(name):
             setting = self._rules.setting_for_host(name)
-            logger.warning("refused a request for host %s; allow it by  %s", name, setting)
+            logger.warning("refused a request for host %s: to allow it, use  %s", name, setting)
 
     def _origin_refusal(
         self, protocol: ServerProtocol, request: Request, asker: Asker
@@ -236,18 +243,18 @@ class HttpFront:
         if origin is None or standing != "foreign":
             return None
         shown = origin if is_plain(origin) else "this site"
-        remedy = "allow them by"
+        remedy = "to allow them, use"
         if origin == NO_ORIGIN:
             shown = f"origin {NO_ORIGIN} (a page on disk, or in a sandboxed frame of any web site)"
-            remedy = f"serve the page by a web server on this machine, or {remedy}"
+            remedy = "serve the page from a web server on this machine, or use"
         if is_plain(origin) and self._rules.first_refusal(origin):
             setting = self._rules.setting_for(origin)
-            logger.warning("pages from %s may not connect; %s  %s", shown, remedy, setting)
+            logger.warning("pages from %s may not connect: %s  %s", shown, remedy, setting)
             if self._rules.is_last_logged:
-                logger.warning("further origins and hosts are refused without a line here")
+                logger.warning("the log does not show further origins and hosts that are refused")
         return protocol.reject(
             403,
-            f"pages from {shown} may not connect; the operator can allow them by allowed_origins\n",
+            f"pages from {shown} may not connect: the operator can add them to allowed_origins\n",
         )
 
 
@@ -258,13 +265,13 @@ def _to_origin_form(request: Request) -> str:
 
     Raises:
         ValueError: it is neither a path nor the address of a web page or a WebSocket.
-        LookupError: there is no `Host`, or there are two.
+        LookupError: `Host` is missing, or there are two.
     """
     host = request.headers["Host"]
     target = urlsplit(request.path) if request.path[:1] != "/" else None
     if target is not None:
         if target.scheme not in {"http", "https", "ws", "wss"} or not target.netloc:
-            raise ValueError("no such target")
+            raise ValueError("invalid target")
         del request.headers["Host"]
         host = request.headers["Host"] = target.netloc
         request.path = urlunsplit(("", "", target.path, target.query, ""))
@@ -278,7 +285,7 @@ def _version_refusal(protocol: ServerProtocol, request: Request) -> Response | N
     version = request.headers.get("Sec-WebSocket-Version", "")
     if version in {"", _VERSION}:  # a request without is refused by `websockets`
         return None
-    text = f"version {_VERSION} of the WebSocket protocol alone (RFC 6455)\n"
+    text = f"unknown version of the WebSocket protocol: use version {_VERSION} (RFC 6455)\n"
     response = protocol.reject(HTTPStatus.UPGRADE_REQUIRED, text)
     response.headers["Upgrade"] = "websocket"
     response.headers["Sec-WebSocket-Version"] = _VERSION
@@ -286,10 +293,10 @@ def _version_refusal(protocol: ServerProtocol, request: Request) -> Response | N
 
 
 def own_names() -> list[str]:
-    """Return the names that surely are this machine's.
+    """Return the names that certainly belong to this machine.
 
-    Any other name may belong to somebody else's page, which makes the name point here once the
-    page is loaded (DNS rebinding).
+    Another name may belong to a hostile page, whose name points here after the page is loaded
+    (DNS rebinding).
     """
     own = socket.gethostname().lower()
     short = own.partition(".")[0]
@@ -314,7 +321,7 @@ def select_subprotocol(
 
 
 def new_protocol(max_message_bytes: int) -> ServerProtocol:
-    """Return the protocol of a connection, whose log is silent: operators get ours."""
+    """Return the protocol of a connection. It logs nothing, because the gateway logs itself."""
     quiet = logging.getLogger(f"{__name__}.websockets")
     quiet.setLevel(logging.ERROR)
     return ServerProtocol(
@@ -335,7 +342,7 @@ def page(
     body: bytes | None,
     content_type: str = "text/plain; charset=utf-8",
 ) -> Response:
-    """Return a page that nobody keeps. Of one that is not written its head alone."""
+    """Return a page that is not cached, or only its head if there is no *body*."""
     response = protocol.reject(200, "")
     headers = response.headers
     del headers["Content-Type"], headers["Content-Length"]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The input of one client that is not handled yet, and the pace at which it is.
 
-Everything is handled in the order in which it came, but for a `stop`, which is looked for first.
+Everything is handled in the order of arrival, except a `stop`, which goes first.
 While anything waits here the socket is not read, so that it is one read at most, and TCP holds the
 sender back. A client that has spent its time is read ahead, as its `stop` may be in what it sends.
 """
@@ -25,14 +25,14 @@ from gateway.server.time_budget import Spending
 READ_CHUNK_BYTES: Final = 16 * 1024  # one greedy sender cannot occupy the loop for long
 # A control frame takes 4 us in a hot loop, and the smallest has 6 bytes: 2.7 ms for 4 KiB.
 PIECE_BYTES: Final = 4 * 1024
-# What a read costs before it comes here: the loop's poll, the call of the kernel, 16 KiB copied.
+# The cost of a read before it comes here: the loop's poll, the system call, a copy of 16 KiB.
 READ_COST_S: Final = 15e-6
 
-# If no read fills its buffer in so many turns of the loop, neither the kernel nor TLS holds more: a
-# reader may run behind us in a turn, and TLS takes one to go on and one to read.
+# If no read fills its buffer in so many turns of the loop, neither the kernel nor TLS holds more. A
+# reader may run after us in a turn, and TLS needs one turn to resume and one to read.
 EMPTY_TURNS: Final = 4
 
-# What is read ahead of a client that has spent its time: 10 s of subscriptions, and 2 MB at most.
+# Input that is read ahead of a client without time left: 10 s of subscriptions, at most 2 MB.
 MAX_AHEAD: Final = 4096
 MAX_AHEAD_BYTES: Final = 256 * 1024
 MAX_STOP_BYTES: Final = 1024  # of a message that may be a `stop`: two names, and room
@@ -41,7 +41,7 @@ MAX_STOP_BYTES: Final = 1024  # of a message that may be a `stop`: two names, an
 LEFTOVER_S: Final = 1.0
 # ... and when its socket is gone: 500 small ones, and its robot stops behind them.
 LAST_S: Final = 0.02
-# What is carried out for a client that has left: what it did to others, perhaps in fragments.
+# Operations that are carried out after a client has left: they affect others.
 _LASTING: Final = (b"publish", b"advertise", b"fragment")
 
 _END_OF_HEAD: Final = b"\r\n\r\n"
@@ -91,7 +91,9 @@ class Inbound:
         self._ahead_bytes = 0  # of what was parsed since nothing waited
         self._overtaken = 0  # of the events those before a `stop` that was carried out
         self._is_turn_over = False
-        self._head: bytes | None = b""  # the end of the HTTP request so far; None: it is complete
+        self._head: bytes | None = (
+            b""  # the end of the HTTP request so far, or None if it is complete
+        )
         self._is_ignored = False  # what comes
         self._is_closed = False
         self._is_at_end = False  # the client sends nothing more
@@ -99,7 +101,7 @@ class Inbound:
         self.is_paused = False  # reading, until what waits is handled, or there is room
         self._read_s = 0.0  # the time of the oldest one that is not handled
         self._cost_s = 0.0  # of reading, since it was paid for
-        self._late_since_s: float | None = None  # what comes may have waited since then
+        self._late_since_s: float | None = None  # the next input may have waited since then
         self._is_catching_up = False
         self._is_behind = False  # its budget is spent
         self._is_waiting = False  # for its budget
@@ -198,7 +200,7 @@ class Inbound:
                 self._spending.stop_waiting()
                 self._is_waiting = False
             if not self._is_waiting:
-                # what is left of a large message does not wait, but what is behind it does
+                # the rest of a large message does not wait, but the input behind it does
                 is_due_alone = self._is_turn_over and self._is_behind
                 self._handle_until(0.0 if is_due_alone else end_s)
             self._receiver.end_turn()
@@ -219,7 +221,7 @@ class Inbound:
         if not (may_go_on or self._is_waiting or self._is_turn_over) and self._head is None:
             self._is_waiting = True
             self._spending.wait()
-        # a large message that is read does not wait for the budget: it takes memory meanwhile
+        # a large message that is being read does not wait for the budget, because it takes memory
         if (self and not self._is_waiting) or self._can_look_ahead():
             self._spending.turns.add(self)
 
@@ -255,7 +257,7 @@ class Inbound:
         """Note that nothing is late any more, if no read is full for some turns of the loop."""
         if self.is_paused or self._is_waiting:  # a read that is full pauses
             self._is_catching_up = False  # the next turn of this client begins again
-        elif turns > 0 or (turns == 0 and self):  # what was read in the last one is handled next
+        elif turns > 0 or (turns == 0 and self):  # the last one's input is handled next
             asyncio.get_running_loop().call_soon(self._catch_up, turns - 1)
         else:
             self._is_catching_up = False

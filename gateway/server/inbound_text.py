@@ -16,7 +16,7 @@ def receive_message(
 ) -> None:
     """Have a message carried out."""
     if is_text and is_cbor(message):  # no UTF-8 begins like that
-        text = f"{_not_utf8(message)}; CBOR goes into binary frames"
+        text = f"{_not_utf8(message)}. Send CBOR in binary frames"
         session.refuse(ProtocolError("bad_json", text))
         session.on_unreadable(message)
     else:
@@ -28,7 +28,7 @@ def expect_text(
 ) -> None:
     """Close, as an endpoint MUST, if the newest message is in a text frame and no UTF-8.
 
-    What was read as JSON is valid: to look before takes two thirds of the time that reading takes.
+    Text that was read as JSON is valid. A check before that takes two thirds of the reading time.
     """
 
     def look(message: bytes) -> None:

@@ -13,8 +13,8 @@ from gateway.protocol import lan_discovery
 
 logger = logging.getLogger(__name__)
 
-# However many datagrams come, the loop looks at this many, and then at none for a while; what does
-# not fit into the socket's buffer meanwhile is lost. A client asks more than once.
+# The loop looks at this many datagrams, and then at none for a while. Others that do not fit into
+# the socket's buffer are lost, so a client asks more than once.
 DATAGRAMS_PER_TURN: Final = 16
 PAUSE_S: Final = 0.1
 BUFFER_BYTES: Final = 32 * 1024
@@ -79,7 +79,7 @@ class LanDiscovery:
 
 @contextlib.contextmanager
 def answering_questions(gateway: lan_discovery.FoundGateway) -> Iterator[None]:
-    """Let clients find a gateway within; where that is impossible, say so and go on."""
+    """Let clients find a gateway in the context. If that is impossible, log it and go on."""
     try:
         discovery = LanDiscovery(lan_discovery.answer(gateway))
     except OSError as error:

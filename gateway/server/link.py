@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rate at which a client's link drains, and its window: the bytes that may be on the way.
 
-What the kernel or a router holds can neither be dropped nor overtaken, so no more is written than
-the link drains within its round trip and a moment. The rate is measured while bytes are on the way
-without a pause. A window that is too small corrects itself: it is drained in a round trip without a
-queue, and the rate at which that happens gives a larger one.
+Data in the kernel or in a router can neither be dropped nor overtaken. So the gateway writes only
+as much as the link drains within its round trip and a moment. The rate is measured while bytes are
+on the way without a pause. A window that is too small corrects itself: it is drained in a round
+trip without a queue, and that rate gives a larger one.
 """
 
 from typing import Final, NamedTuple
 
-# What stands before the slowest hop: enough to bridge the wait for a timer on a busy machine.
+# The queue before the slowest hop: enough to bridge the wait for a timer on a busy machine.
 QUEUE_S: Final = 0.05
 # Two full segments: less, and each would wait until the one before is acknowledged.
 MIN_WINDOW_BYTES: Final = 3 * 1024
@@ -95,7 +95,7 @@ class Link:
     def _learn(self, rate: float, took_s: float) -> None:
         """Take a sample: of a full link its rate, of one that has paused a lower bound of it."""
         known = self._rate
-        rate = min(rate, 2 * known)  # what a router passes on at once is no rate
+        rate = min(rate, 2 * known)  # a router that passes on a burst does not show a rate
         if self._has_paused:
             grown = min(known * (1 + GROWTH_PER_S * took_s), FAST_BYTES_PER_S)
             self._rate = max(known, rate, grown)

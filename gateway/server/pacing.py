@@ -12,8 +12,8 @@ from gateway.server.tcp_info import read_tcp_info
 # The link is looked at after so many bytes at the latest, 1 to 3 us each time: one that has become
 # slow gets no more until that is noticed.
 MAX_UNSEEN_BYTES: Final = 64 * 1024
-# Until the next look at a link that has enough: at once, as uvloop writes at the end of a turn and
-# this machine may take it there and then; then longer and longer.
+# Waits until the next look at a full link. The first look comes at once, because uvloop writes at
+# the end of a turn. Then the waits get longer.
 SECOND_WAIT_S: Final = 0.001
 MAX_WAIT_S: Final = 0.05
 
@@ -40,7 +40,7 @@ class Pacing:
         self._wait_s = 0.0
         self._is_socket_full = False
         self.is_paused = False
-        # before the link is to be looked at; 0 or less while it is paused
+        # before the next look at the link, 0 or less while it is paused
         self.room_bytes = self._link.window_bytes
         self.write: Callable[[bytes], object] = transport.write  # of a `PacedSocket`
 

@@ -20,11 +20,11 @@ STREAM: Final = "/stream"
 VIEWER: Final = "/stream_viewer"  # a page with a stream
 PATHS: Final = frozenset({SNAPSHOT, STREAM, VIEWER})
 
-MAX_PARAMETERS: Final = 16  # there are five, six that are ignored, and each is parsed
+MAX_PARAMETERS: Final = 16  # there are seven, and six that are ignored
 
 
 class PictureRequestError(ValueError):
-    """Raised when an address asks for no picture that there can be. The text is for its author."""
+    """Raised for a request with wrong parameters. The text is for the author of the address."""
 
 
 class _Number(NamedTuple):
@@ -35,11 +35,11 @@ class _Number(NamedTuple):
 
 
 _NUMBER: Final = re.compile(r"[0-9.eE+-]{1,32}")
-# a browser takes an address that it has seen for one picture: a page changes this one
+# a browser caches the image of an address, so pages change this parameter
 _CHANGING: Final = "t"
-# of web_video_server: QoS matches itself here, and these are of codecs that the gateway lacks
+# parameters of web_video_server for QoS, which adapts itself here, and for missing codecs
 _IGNORED: Final = ("default_transport", "qos_profile", "bitrate", "gop", "qmin", "qmax")
-# an <img> shows a JPEG whatever was asked for; a <video> shows none
+# an <img> shows a JPEG for every type, a <video> does not
 _TYPES: Final = ("mjpeg", "png", "ros_compressed")
 _NUMBERS: Final = {
     "quality": _Number("quality", int, 1, 100),
@@ -74,28 +74,30 @@ def picture_request(target: str) -> Subscribe:
     try:
         query = parse_qs(address.query, keep_blank_values=True, max_num_fields=MAX_PARAMETERS)
     except ValueError as error:
-        raise PictureRequestError(f"at most {MAX_PARAMETERS} parameters") from error
+        raise PictureRequestError(f"too many parameters: send at most {MAX_PARAMETERS}") from error
     for name in query:
         if name == "invert":
-            raise PictureRequestError("invert: unknown; turn the picture by CSS: rotate: 180deg")
+            raise PictureRequestError(
+                "invert: unknown. Turn the image with CSS instead: rotate: 180deg"
+            )
         if name not in (*known, *_IGNORED):
             raise PictureRequestError(f"{truncate(name)}: unknown{hint(name, known)}")
         if len(query[name]) > 1 and name in known and name != _CHANGING:
-            raise PictureRequestError(f"{name}: given {len(query[name])} times; give it once")
+            raise PictureRequestError(f"{name}: given {len(query[name])} times. Give it once")
     topic = query.get("topic", [""])[0]
     if not topic:
         raise PictureRequestError(
-            f"topic: missing; name a topic of pictures: {address.path}?topic=/camera/image_raw"
+            f"topic is missing: name a topic of images, {address.path}?topic=/camera/image_raw"
         )
     if (kind := query.get("type", [_TYPES[0]])[0]) not in _TYPES:
-        text = f"type: got {truncate(kind)!r}, but pictures come as JPEG; leave type out"
+        text = f"type: got {truncate(kind)!r}, but images are always JPEG: leave type out"
         raise PictureRequestError(text)
     image = {
         number.member: _value(name, query[name][0], number)
         for name, number in _NUMBERS.items()
         if name in query
     }
-    # web_video_server's 0 is no bound
+    # in web_video_server, 0 means no limit
     options = ImageRequest.model_validate(
         {"format": "jpeg", **{k: v for k, v in image.items() if v}}
     )
@@ -110,7 +112,7 @@ def viewer_page(target: str, topic: str) -> bytes:
 
 def _value(name: str, text: str, number: _Number) -> float:
     value = float("nan")
-    if _NUMBER.fullmatch(text):  # Python reads 1_0, blanks and other scripts' digits, too
+    if _NUMBER.fullmatch(text):  # Python would also read 1_0, blanks, and digits of other scripts
         with contextlib.suppress(ValueError):
             value = number.read(text)
     if number.least <= value <= number.most:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures of a topic by plain HTTP, as an `<img>` takes them: one, or one after the other.
 
-Each viewer is a session of the router with one subscription, so it shares pictures with all other
-subscribers of equal options, and what it does not take in time is replaced by something newer.
+Each viewer is a session of the router with one subscription. So it shares images with other
+subscribers that have the same options, and a slow viewer gets only the newest image.
 """
 
 import asyncio
@@ -94,8 +94,8 @@ class Viewer:
         if self._has_begun or self._is_over or now_s - self._opened_s <= WAIT_S:
             return
         if self._is_single:
-            reason = f": {self._warning}" if self._warning else "; is its camera running?"
-            self._refuse(504, f"no picture of {self.topic} within {WAIT_S:g} s{reason}")
+            reason = f": {self._warning}" if self._warning else ": check that its camera is running"
+            self._refuse(504, f"no image of {self.topic} within {WAIT_S:g} s{reason}")
         else:
             self._begin()
 
@@ -108,7 +108,7 @@ class Viewer:
             case {"op": "publish", "msg": {"format": "jpeg", "data": str(data)}}:
                 self._show(pybase64.b64decode(data))
             case {"op": "publish"}:
-                self._refuse(404, f"topic {self.topic} has no pictures any more")
+                self._refuse(404, f"topic {self.topic} has no images any more")
             case {"op": "status", "code": "invalid_value", "msg": str(text)}:
                 self._refuse(503, text)
             case {"op": "status", "msg": str(text)}:
@@ -192,7 +192,7 @@ class Pictures:
             response.headers.update(_headers(request))
             return response
         if len(self._viewers) >= MAX_VIEWERS:
-            text = f"busy: {MAX_VIEWERS} others look at pictures; ask later, or use a page\n"
+            text = f"busy: {MAX_VIEWERS} other viewers get images. Try again later, or use a page\n"
             return protocol.reject(503, text)
         viewer = Viewer(self, protocol, request, asker)
         viewer.session = self._router.enter(viewer.flush, address, identity)

@@ -11,9 +11,9 @@ from gateway.access.permissions import Identity, Permissions
 from gateway.metrics.page import pieces
 from gateway.metrics.state import State, seen_by
 
-# With 32 clients of 64 topics each a page takes 100 ms: more than others should have to wait.
+# With 32 clients of 64 topics each a page takes 100 ms, which is too long for others to wait.
 SLICE_S: Final = 0.002
-# After a slice it rests thrice as long: pages take a quarter of the loop at most, as a client may.
+# After a slice it rests three times as long, so pages take at most a quarter of the loop.
 REST: Final = 3
 
 logger = logging.getLogger(__name__)
@@ -47,7 +47,7 @@ class Scrapes:
                 permissions = next(iter(self._waiting))
                 try:
                     page = await self._write(permissions)
-                except Exception:  # our bug, of which the others know nothing
+                except Exception:  # a fault of the gateway must not affect others
                     logger.exception("writing the metrics failed")
                     page = None
                 for reply in self._waiting.pop(permissions, ()):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server: it listens, admits clients, applies their time-outs, and closes all at the end."""
+"""The server: it listens, admits clients, applies their timeouts, and closes all at the end."""
 
 import asyncio
 import contextlib
@@ -53,7 +53,7 @@ MakeAdmission = Callable[[RoomFor, WebRules], Admission]
 
 logger = logging.getLogger(__name__)
 
-# Sockets during their handshake, which takes milliseconds; each is cut off after 5 s.
+# Sockets during their handshake, which takes milliseconds. Each is cut off after 5 s.
 MAX_HANDSHAKES: Final = 64
 # Sockets that were turned away, or got a page, and have a second to close.
 MAX_LEAVING: Final = 64
@@ -62,12 +62,12 @@ MAX_LEAVING: Final = 64
 # and 11 MB with 32 clients of 64 topics each.
 MAX_PAGES: Final = 8
 
-# what a machine without IPv6 says
+# the errors of a machine without IPv6
 _NO_SUCH_ADDRESS: Final = frozenset({errno.EADDRNOTAVAIL, errno.EAFNOSUPPORT})
 
 MAX_GOODBYE_S: Final = 1.0  # of the 2 s for the whole shutdown
 
-TICK_S: Final = 0.25  # how exactly times are kept; 4 wake-ups a second are not measurable
+TICK_S: Final = 0.25  # the precision of timeouts. The cost of 4 wake-ups a second is not measurable
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,12 +182,12 @@ class Server:
         )
         faults = list(self._find_faults())
         if clients >= limits.max_clients:
-            text = f"there are {clients} clients, as many as may be: further ones are refused"
+            text = f"{clients} clients are connected, the maximum: further clients are refused"
             faults.append(Fault("degraded", text))
         return Health(tuple(faults))
 
     def health(self) -> Mapping[str, Any]:
-        """Return what /healthz has beside the judgement."""
+        """Return the counts of /healthz."""
         found = self.summary()
         totals = found.totals
         return {
@@ -268,7 +268,9 @@ class Server:
         if request.method == "HEAD":
             return page(protocol, request, None, CONTENT_TYPE)
         if sum(each.awaits_page for each in self._connections) >= MAX_PAGES:
-            return protocol.reject(503, f"busy: {MAX_PAGES} others get the metrics, ask later\n")
+            return protocol.reject(
+                503, f"busy: {MAX_PAGES} others get the metrics. Try again later\n"
+            )
 
         def reply(body: bytes | None) -> None:
             if body is None:
@@ -336,7 +338,7 @@ class Server:
     def reload(self, tokens: Tokens, policy: Policy) -> None:
         """Go on with other tokens and permissions. See `Admission.reload`.
 
-        What a client had open ends at once: a robot must not wait for the closing handshake.
+        Everything that a client has open ends at once. A robot must not wait for a handshake.
         """
         clients: list[tuple[Entrant, Session]] = [
             (each, each.session) for each in self._connections if each.session is not None

@@ -21,7 +21,7 @@ from websockets.server import ServerProtocol
 PAGES: Final = Path(__file__).parents[1] / "pages"
 INDEX: Final = "/index.html"
 
-# Of these the content decides; all others of the folder are not served.
+# Only files of these types are served.
 _TYPES: Final = {
     ".html": "text/html; charset=utf-8",
     ".css": "text/css; charset=utf-8",

@@ -31,7 +31,7 @@ def read_tcp_info(sock: socket.socket | None) -> Reading | None:
         info = sock.getsockopt(socket.IPPROTO_TCP, _OPTION, _READ_BYTES)
         # SIOCOUTQ of tcp(7): tcpi_bytes_sent counts twice what the first queue has dropped
         queued = fcntl.ioctl(sock.fileno(), termios.TIOCOUTQ, bytes(_QUEUED.size))
-    except OSError:  # it has just been closed, or is no TCP
+    except OSError:  # it has just been closed, or is not TCP
         return None
     if len(info) < _READ_BYTES:  # an older kernel
         return None

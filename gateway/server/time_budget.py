@@ -13,11 +13,11 @@ from typing import Final
 
 from gateway.server.turns import Turns
 
-WINDOW_S: Final = 1.0  # what is not spent for so long may be spent at once
+WINDOW_S: Final = 1.0  # the unspent time of this window may be spent at once
 REFILL_S: Final = 0.004  # a turn, before a wait ends: else there would be one for each read
 SETTLE_S: Final = 0.0005  # no sooner: most frames take 20 us, and two budgets would add another
 ROUNDING_S: Final = 1e-6  # else a wait could end a hair too soon, and nothing be left
-MAX_ADDRESSES: Final = 1024  # that are remembered, 0.3 MB; those of connections always are
+MAX_ADDRESSES: Final = 1024  # that are remembered, 0.3 MB, in addition to those with connections
 
 
 class TimeBudget:
@@ -27,7 +27,7 @@ class TimeBudget:
 
     def __init__(self, share: float, now_s: float) -> None:
         self._share = share
-        # the whole of it is no limit: clocks and estimates need not agree to the microsecond
+        # the whole share means no limit, because clocks and estimates differ by microseconds
         self._most_s = self._left_s = share * WINDOW_S if share < 1 else math.inf
         self._last_s = now_s
 
@@ -64,8 +64,8 @@ class TimeBudget:
 class AddressBudget:
     """The time of all connections of one address.
 
-    Those that wait for it go on one at a time, first the one that has spent least: a greedy
-    connection delays the others of its address by one of its slices, not by all of its debts.
+    Waiting connections go on one at a time, first the one that has spent least. So a greedy
+    connection delays the others of its address only by one slice, not by all of its debts.
     """
 
     def __init__(self, share: float, now_s: float) -> None:
@@ -113,7 +113,7 @@ class Spending:
         self.pauses = 0
         self._budgets = budgets
         self._address = budgets.join(address)
-        # else a client that connects anew would have another burst
+        # otherwise a client that connects again would have another burst
         self.own.limit(self._address.time.left_s(now_s))
         self._timer: asyncio.TimerHandle | None = None
         self._unsettled_s = 0.0

@@ -28,7 +28,7 @@ class Turns:
     """The clients with input to handle, in the order of their turns."""
 
     def __init__(self) -> None:
-        self._ready: dict[Waiting, None] = {}  # who has waited longest is first
+        self._ready: dict[Waiting, None] = {}  # the one that has waited longest is first
         self._is_due = False
 
     def add(self, client: Waiting) -> None:
@@ -50,7 +50,7 @@ class Turns:
             if now_s > end_s:
                 self._ready = dict.fromkeys(order[served:]) | self._ready
                 break
-            # what one does not need is left to those behind it
+            # time that one client does not need is left to the next
             client.work(now_s + (end_s - now_s) / (len(order) - served))
             now_s = time.monotonic()
         if self._ready and not self._is_due:

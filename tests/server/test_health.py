@@ -87,7 +87,7 @@ async def test_a_full_gateway_is_ready_and_says_that_it_is_full(serve: Serve):
             status, body = await health(served)
             found = json.loads(body)
             assert (status, found["status"], found["ready"]) == (200, "degraded", True)
-            text = "there are 1 clients, as many as may be: further ones are refused"
+            text = "1 clients are connected, the maximum: further clients are refused"
             assert found["reasons"] == [text]
         await eventually(lambda: served.clients == 0)
         assert json.loads((await health(served))[1])["status"] == "ok"

@@ -296,7 +296,7 @@ async def test_16_look_at_pictures_at_once(serve: Serve):
             await others.enter_async_context(view(served, path))
         await eventually(lambda: viewers(served) == 16)
         status, text = await answer(served, f"/snapshot?topic={CAMERA}")  # which has an end
-        assert (status, text.partition(";")[0]) == (503, "busy: 16 others look at pictures")
+        assert (status, text.partition(".")[0]) == (503, "busy: 16 other viewers get images")
 
 
 async def test_viewers_are_neither_half_open_nor_do_they_take_the_pages_of_metrics(serve: Serve):
@@ -320,9 +320,9 @@ async def test_viewers_are_neither_half_open_nor_do_they_take_the_pages_of_metri
         (
             "/snapshot",
             400,
-            "topic: missing; name a topic of pictures: /snapshot?topic=/camera/image_raw",
+            "topic is missing: name a topic of images, /snapshot?topic=/camera/image_raw",
         ),
-        ("/stream?topic=", 400, "topic: missing"),
+        ("/stream?topic=", 400, "topic is missing"),
         ("/stream?topic=/a//b", 400, ""),
         (f"/stream?topic={CAMERA}&quality=0", 400, "quality: got '0', expected a whole number"),
         (f"/stream?topic={CAMERA}&width=wide", 400, "width: got 'wide', expected a whole number"),
@@ -331,14 +331,14 @@ async def test_viewers_are_neither_half_open_nor_do_they_take_the_pages_of_metri
         (f"/stream?topic={CAMERA}&width=%D9%A1%D9%A0", 400, "expected a whole number from 0 to"),
         (f"/stream?topic={CAMERA}&width=1e2", 400, "width: got '1e2', expected a whole number"),
         (f"/stream?topic={CAMERA}&height=-1", 400, "expected a whole number from 0 to 8192"),
-        (f"/stream?topic={CAMERA}&type=h264", 400, "type: got 'h264', but pictures come as JPEG"),
-        (f"/stream_viewer?topic={CAMERA}&invert", 400, "turn the picture by CSS: rotate: 180deg"),
+        (f"/stream?topic={CAMERA}&type=h264", 400, "type: got 'h264', but images are always JPEG"),
+        (f"/stream_viewer?topic={CAMERA}&invert", 400, "with CSS instead: rotate: 180deg"),
         (f"/stream_viewer?topic={CAMERA}&qos_profil=x", 400, "qos_profil: unknown"),
-        (f"/stream?topic={CAMERA}&topic=/odom", 400, "topic: given 2 times; give it once"),
+        (f"/stream?topic={CAMERA}&topic=/odom", 400, "topic: given 2 times. Give it once"),
         (f"/stream?topic={CAMERA}&fps=nan", 400, "fps: got 'nan', expected a number from 0.001"),
         (f"/stream?topic={CAMERA}&qualty=3", 400, "qualty: unknown; did you mean quality?"),
         (f"/snapshot?topic={CAMERA}&fps=3", 400, "fps: unknown; known are topic, type"),
-        (f"/stream?topic={CAMERA}" + "&t=1" * 16, 400, "at most 16 parameters"),
+        (f"/stream?topic={CAMERA}" + "&t=1" * 16, 400, "too many parameters: send at most 16"),
         ("/stream?topic=/camera/image", 404, f"did you mean {CAMERA}?"),
         ("/snapshot?topic=/odom", 400, "topic /odom is nav_msgs/msg/Odometry; pictures are"),
         (f"/stream?topic={CAMERA}&token=r2g_x", 400, "a token must not be in the address"),
@@ -364,7 +364,7 @@ async def test_a_snapshot_without_a_picture_says_so_and_a_stream_waits_on(
         publisher = camera(served)
         status, text = await answer(served, f"/snapshot?topic={CAMERA}")
         assert status == 504
-        assert text == f"no picture of {CAMERA} within 0.1 s; is its camera running?\n"
+        assert text == f"no image of {CAMERA} within 0.1 s: check that its camera is running\n"
         await eventually(lambda: not served.server._connections)
         assert served.server.summary().handshakes_refused == {"no_picture": 1}
         assert served.ros.entity_count() == 0
@@ -540,7 +540,7 @@ async def test_the_viewer_is_a_page_that_shows_the_stream_of_its_parameters(serv
 
 def test_a_request_has_16_parameters_at_most():
     assert picture_request(f"/snapshot?topic=/a{'&t=1' * 15}").topic == "/a"
-    with pytest.raises(PictureRequestError, match="at most 16 parameters"):
+    with pytest.raises(PictureRequestError, match="send at most 16"):
         picture_request(f"/snapshot?topic=/a{'&t=1' * 16}")
 
 

@@ -125,7 +125,7 @@ async def test_a_text_frame_that_is_not_utf_8_gets_a_status_and_1007(serve: Serv
         answer = await reader.read()
         assert b'"code":"bad_json"' in answer
         assert (1007).to_bytes(2, "big") + b"not UTF-8: byte 0x" in answer
-        assert (b"; CBOR goes into binary frames" in answer) == (frame[0] == 0xA1)
+        assert (b"Send CBOR in binary frames" in answer) == (frame[0] == 0xA1)
         assert await other.sync() == []
         writer.close()
 
@@ -558,15 +558,15 @@ async def test_a_refused_page_is_logged_once_with_the_setting_that_allows_it(ser
         for origin in ["http://localhost:3000"] * 3 + ["null", "http://a b", "http://x'y"]:
             status = await status_of(served, upgrade("Host: localhost", f"Origin: {origin}"))
             assert status == 403
-    lines = [record.getMessage() for record in caplog.records if "allow them" in record.message]
+    lines = [record.getMessage() for record in caplog.records if "--set" in record.message]
     assert lines == [
         (
-            "pages from http://localhost:3000 may not connect; allow them by"
+            "pages from http://localhost:3000 may not connect: to allow them, use"
             "  --set 'allowed_origins=https://ui.example,http://localhost:3000'"
         ),
         (
             "pages from origin null (a page on disk, or in a sandboxed frame of any web site) may"
-            " not connect; serve the page by a web server on this machine, or allow them by"
+            " not connect: serve the page from a web server on this machine, or use"
             "  --set 'allowed_origins=https://ui.example,null'"
         ),
     ]
@@ -576,7 +576,7 @@ async def test_origins_without_end_leave_a_bounded_number_of_lines(serve: Serve,
     async with serve() as served:
         for number in range(100):
             await status_of(served, upgrade("Host: localhost", f"Origin: http://s{number}"))
-    assert caplog.text.count("may not connect; allow them by") == 64
+    assert caplog.text.count("may not connect: to allow them, use") == 64
     assert caplog.text.count("refused without a line") == 1
 
 
@@ -639,9 +639,9 @@ async def test_a_foreign_name_is_logged_once_with_the_setting_that_allows_it(ser
     async with serve() as served:
         for host in ["robot.lan:9090"] * 3 + ["evil'name", "evil\x01name"]:
             await status_of(served, upgrade(f"Host: {host}"))
-    lines = [record.getMessage() for record in caplog.records if "allow it by" in record.message]
+    lines = [record.getMessage() for record in caplog.records if "to allow it" in record.message]
     setting = "--set 'allowed_hosts=robot.lan'"
-    assert lines == [f"refused a request for host robot.lan; allow it by  {setting}"]
+    assert lines == [f"refused a request for host robot.lan: to allow it, use  {setting}"]
 
 
 async def test_all_addresses_but_the_first_may_be_taken(serve: Serve, caplog):
