@@ -78,7 +78,7 @@ async def test_no_traceback_if_the_server_closed_before_asyncio_accepts_again(
     loop.set_exception_handler(app._LoopErrors())
     listening = socket.socket()
     listening.close()
-    try:  # what asyncio does a second after a lack of descriptors
+    try:  # asyncio does this a second after a lack of descriptors
         loop.call_soon(loop._start_serving, asyncio.Protocol, listening)
         await asyncio.to_thread(loop.run_until_complete, asyncio.sleep(0))
         assert caplog.text == ""
@@ -101,7 +101,7 @@ def test_that_no_client_can_connect_is_said_every_10_s(caplog: pytest.LogCapture
     assert caplog.messages[0] == "no client can connect: too many open files"
 
 
-def test_what_is_configured_goes_before_what_is_shipped(tmp_path: Path):
+def test_configured_definitions_go_before_shipped_ones(tmp_path: Path):
     place = tmp_path / "nav2_msgs" / "msg"
     place.mkdir(parents=True)
     (place / "SpeedLimit.msg").write_text("bool other\n")
@@ -248,6 +248,6 @@ async def test_a_shutdown_stops_robots_before_it_waits_for_clients():
     assert "stopped: the gateway shuts down" in stop  # neither a client that left, nor a deadline
 
 
-def test_what_a_shutdown_waits_for_of_clients_guard_and_ros_has_room_in_its_time():
+def test_the_waits_of_a_shutdown_fit_into_its_time():
     waits_s = (server.MAX_GOODBYE_S, supervisor.END_S, deferred_destruction.SHUTDOWN_S)
     assert sum(waits_s) < app.SHUTDOWN_S < 2

@@ -45,7 +45,7 @@ async def test_a_thing_is_closed_a_while_after_its_last_use(
     assert len(things) == 0
 
 
-async def test_what_nobody_uses_stays_open_for_5_s(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_an_unused_client_stays_open_for_5_s(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = StoppedClock(monkeypatch)
     things: ClientCache[Thing] = ClientCache()
     with things.use("a", Thing) as thing:
@@ -58,7 +58,7 @@ async def test_what_nobody_uses_stays_open_for_5_s(monkeypatch: pytest.MonkeyPat
     assert thing.is_closed
 
 
-async def test_what_is_used_again_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_client_that_is_used_again_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(client_cache, "IDLE_S", 0.01)
     things: ClientCache[Thing] = ClientCache()
     with things.use("a", Thing) as thing:
@@ -81,7 +81,7 @@ async def test_only_so_many_linger_and_the_longest_idle_goes_first() -> None:
     things.close()
 
 
-async def test_what_was_used_until_just_now_is_not_the_longest_idle() -> None:
+async def test_a_recently_used_client_is_not_the_longest_idle() -> None:
     things: ClientCache[Thing] = ClientCache()
     with things.use("long", Thing) as long_used:
         with things.use("before", Thing) as before:

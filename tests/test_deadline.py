@@ -8,7 +8,7 @@ from gateway.protocol.errors import ProtocolError
 from tests.clock import StoppedClock
 
 
-async def test_what_is_not_done_by_the_deadline_is_cancelled_and_named():
+async def test_a_step_that_misses_the_deadline_is_cancelled_and_named():
     deadline = Deadline.within(0.01)
     with pytest.raises(ProtocolError, match=r"^the robot has not answered within 0\.01 s$") as late:
         async with deadline.limit("the robot has not answered"):
@@ -16,7 +16,7 @@ async def test_what_is_not_done_by_the_deadline_is_cancelled_and_named():
     assert late.value.code == "timeout"
 
 
-async def test_a_second_step_does_not_begin_the_time_anew():
+async def test_a_second_step_does_not_restart_the_time():
     deadline = Deadline.within(0.01)
     for _ in range(2):  # the second has no time left at all
         with pytest.raises(ProtocolError, match=r"within 0\.01 s"):
@@ -42,6 +42,6 @@ async def test_a_later_step_has_the_time_that_is_left(monkeypatch: pytest.Monkey
         await waiting
 
 
-async def test_what_is_done_in_time_is_not_disturbed():
+async def test_a_step_within_the_deadline_is_not_disturbed():
     async with Deadline.within(60).limit("nobody has answered"):
         await asyncio.sleep(0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The definitions that the gateway knows beside those of ROS."""
+"""The definitions that the gateway knows in addition to those of ROS."""
 
 import pytest
 

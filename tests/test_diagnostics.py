@@ -106,7 +106,7 @@ async def test_a_fault_of_the_gateway_is_logged_once_and_ends_nothing(
     assert all(each.exc_info for each in errors(caplog))
 
 
-async def test_what_ros_refuses_is_logged_once(
+async def test_a_refusal_of_ros_is_logged_once(
     bench: Bench, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ):
     def fail(publisher: FakePublisher, cdr: bytes) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The bound on lines that somebody outside causes, by a clock of the test's own."""
+"""The limit on lines that clients cause, with a clock of the test."""
 
 import logging
 from typing import Any
@@ -86,7 +86,7 @@ def test_kinds_and_reasons_do_not_share(log: Log):
     assert log.write(client="10.0.0.5#1", reason="slow_consumer")
 
 
-def test_what_differs_in_its_arguments_alone_is_one_kind(log: Log):
+def test_lines_that_differ_only_in_arguments_are_one_kind(log: Log):
     passed = [log.write("refused %s", number, client="10.0.0.5#1") for number in range(100)]
     assert sum(passed) == BURST
 
@@ -187,7 +187,7 @@ def test_at_the_end_the_numbers_are_written_at_once(log: Log):
     assert list(log.rate.overdue(all_of_them=True)) == []
 
 
-def test_what_is_kept_of_a_line_is_short_and_holds_no_traceback(log: Log):
+def test_a_kept_line_is_short_and_has_no_traceback(log: Log):
     for _ in range(BURST):
         log.write("%s", "x", client="10.0.0.5#1")
     log.write("%s", "x" * 10_000, client="10.0.0.5#1", exc_info=(None, None, None))

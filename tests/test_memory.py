@@ -47,7 +47,7 @@ async def test_free_memory_goes_back_again_and_again_until_the_end(
     assert asked == [0, 0]
 
 
-def test_what_is_free_is_the_kernel_s_again() -> None:
+def test_free_memory_returns_to_the_kernel() -> None:
     """Leave holes below a block that lives on. Nothing but asking for it gives these back."""
     program = """
 import asyncio
@@ -73,7 +73,7 @@ asyncio.run(main())
     subprocess.run([sys.executable, "-c", program], check=True, timeout=TIMEOUT_S)
 
 
-def test_what_exists_is_exempt_from_collection():
+def test_existing_objects_are_exempt_from_collection():
     program = "from gateway.memory import exempt_from_collection as f; import gc; f()"
     frozen = subprocess.run(
         [sys.executable, "-c", f"{program}; print(gc.get_freeze_count())"],

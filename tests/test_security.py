@@ -82,7 +82,7 @@ def test_a_place_that_cannot_be_written_leaves_the_gateway_closed_and_running(
     assert security.new_token not in caplog.text
 
 
-def test_a_reload_reads_tokens_and_permissions_anew(path: Path):
+def test_a_reload_reads_tokens_and_permissions_again(path: Path):
     with open_security(config()) as security:
         change(path, lambda tokens: tokens.added(make_token("more", "viewer", NOW)[1]))
         other = config(operator=OperatorConfig(publish=("/a",)))
@@ -127,7 +127,7 @@ def test_the_audit_log_is_for_debugging_only_on_this_machine_alone(
         assert '"connected"' in file.read_text()
 
 
-def test_tls_is_1_2_at_least_and_its_certificate_is_read_anew(tmp_path: Path):
+def test_tls_is_1_2_at_least_and_its_certificate_is_read_again(tmp_path: Path):
     pytest.importorskip("cryptography")
     make_certificate(tmp_path, [])
     cert, key = str(tmp_path / "cert.pem"), str(tmp_path / "key.pem")

@@ -112,7 +112,7 @@ async def test_values_that_do_not_fit_are_refused_before_ros_hears_of_it(
     assert ros.entity_count() == 0
 
 
-async def test_a_response_that_is_no_such_message_is_a_fault_of_its_server(
+async def test_a_response_that_cannot_be_read_is_a_fault_of_its_server(
     ros: FakeRos, service_clients: ServiceClients
 ) -> None:
     ros.add_service("/arm", SET_BOOL.name, lambda request: request.answer(b"\0\1\0\0\1"))

@@ -20,7 +20,7 @@ NOBODY = UNGUARDED._replace(listeners=0)
 
 @dataclass
 class Gateway:
-    """What a start sees of it."""
+    """The state that a start sees."""
 
     state: ControlState
 
@@ -43,7 +43,7 @@ async def clock(monkeypatch: pytest.MonkeyPatch) -> StoppedClock:
         (ControlState((UNGUARDED,), True, 0), True),
         (ControlState((NOBODY, UNGUARDED), True, 0), True),
         (ControlState((UNGUARDED, ROBOT), True, 0), False),
-        (ControlState((UNGUARDED,), False, 1), False),  # lost, which is a fault of its own
+        (ControlState((UNGUARDED,), False, 1), False),  # lost, which is a separate fault
         (ControlState((UNGUARDED,), True, 1), True),
     ],
 )

@@ -38,8 +38,8 @@ _LONGEST_HEAD: Final = 10 + _MASK_LENGTH
 class FrameReader:
     """Reads plain messages of one client, and leaves everything else to `websockets`.
 
-    It also reads the heads of the frames that it leaves, because it must know when `websockets` is
-    between two frames or messages. *protocol* has no extensions, and no limit for a single frame.
+    It also reads the heads of the other frames, to know when `websockets` is between two messages.
+    *protocol* has no extensions, and no limit for a single frame.
     """
 
     __slots__ = ("_head", "_is_in_message", "_missing_bytes", "_protocol")

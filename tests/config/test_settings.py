@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the configuration comes from, what wins, and what a mistake is called."""
+"""The sources of the configuration, their order, and the texts of mistakes."""
 
 import tomllib
 from pathlib import Path
@@ -23,7 +23,7 @@ def problems(*args, **kwargs) -> tuple[str, ...]:
     return caught.value.problems
 
 
-def test_with_nothing_given_all_is_default():
+def test_without_sources_everything_is_default():
     loaded = load()
     assert loaded.config == Config()
     assert set(loaded.origins.values()) == {"default"}
@@ -51,7 +51,7 @@ def test_the_environment_names_the_file_unless_a_flag_does(tmp_path):
 
 
 @pytest.mark.parametrize("key", ["limits.operations_per_s", "limits.operation_burst"])
-def test_a_key_of_former_versions_is_answered_by_the_one_that_replaced_it(key, tmp_path):
+def test_a_setting_of_former_versions_is_refused_with_its_replacement(key, tmp_path):
     path = toml(tmp_path, f"[limits]\n{key.partition('.')[2]} = 200")
     variable = "ROS2_GATEWAY_" + key.replace(".", "__").upper()
     hint = "it is replaced by limits.client_time_share, as time is limited instead of counts"
@@ -64,7 +64,7 @@ def test_a_key_of_former_versions_is_answered_by_the_one_that_replaced_it(key, t
     )
 
 
-def test_a_key_that_means_nothing_by_now_keeps_no_gateway_from_starting(tmp_path, caplog):
+def test_a_setting_without_a_meaning_does_not_prevent_a_start(tmp_path, caplog):
     path = toml(tmp_path, "[limits]\nping_timeout_s = 5")
     key, variable = "limits.ping_timeout_s", "ROS2_GATEWAY_LIMITS__PING_TIMEOUT_S"
     load([Given(key, "5", f"--set {key}")], {variable: "5"}, path).warn()
@@ -83,7 +83,7 @@ def test_a_trusted_proxy_is_an_address_or_a_network(value):
     )
 
 
-def test_the_variables_of_others_are_left_alone():
+def test_variables_of_other_programs_are_ignored():
     assert load(environment={"ROS_DOMAIN_ID": "x", "PORT": "y"}).config == Config()
 
 
@@ -104,7 +104,7 @@ def test_text_is_read_as_the_type_of_its_key(key, text, value):
     assert getattr(getattr(config, section), name) == value
 
 
-def test_several_values_are_an_array_in_toml_and_have_commas_in_text(tmp_path):
+def test_a_list_is_an_array_in_toml_and_has_commas_in_text(tmp_path):
     wanted = ("https://a.example", "http://b.example:8080")
     path = toml(tmp_path, f"allowed_origins = {list(wanted)}")
     assert load(file=path).config.allowed_origins == wanted
@@ -115,7 +115,7 @@ def test_several_values_are_an_array_in_toml_and_have_commas_in_text(tmp_path):
 
 
 @pytest.mark.parametrize("text", ['["https://a.example"', "[https://a.example]", "[1]", "[[]]"])
-def test_what_is_no_array_of_texts_is_refused(text):
+def test_a_list_that_is_not_of_texts_is_refused(text):
     (problem,) = problems([Given("allowed_origins", text, "--set")])
     assert problem.startswith("--set: got")
 
@@ -123,7 +123,7 @@ def test_what_is_no_array_of_texts_is_refused(text):
 @pytest.mark.parametrize(
     "value", ['["https://a.example/"]', '["a.example"]', "[0]", '"https://a.example"', "{a=1}"]
 )
-def test_what_is_no_origin_is_refused(tmp_path, value):
+def test_an_invalid_origin_is_refused(tmp_path, value):
     (problem,) = problems(file=toml(tmp_path, f"allowed_origins = {value}"))
     assert problem.endswith("expected origins such as https://ui.example, null, or *")
 
@@ -184,7 +184,7 @@ def test_a_namespace_is_accepted(value):
 
 
 @pytest.mark.parametrize("value", ["", "a", "//", "/a/", "/1", "/a b", "/a\n", "/a\0", "/{node}"])
-def test_what_is_no_namespace_is_refused(value):
+def test_an_invalid_namespace_is_refused(value):
     assert (
         "expected a namespace such as"
         in problems([Given("ros.namespace", value, "--namespace")])[0]
@@ -211,7 +211,7 @@ def test_an_unknown_variable_is_refused_with_the_closest_one():
     )
 
 
-def test_the_token_of_a_client_is_no_setting():
+def test_the_token_of_a_client_is_not_a_setting():
     assert load(environment={"ROS2_GATEWAY_TOKEN": "r2g_x"}).origins["port"] == "default"
 
 
@@ -226,7 +226,7 @@ def test_mistakes_of_all_sources_are_reported_at_once(tmp_path):
     assert len(found) == 3
 
 
-def test_a_file_that_is_missing_or_no_toml_is_one_sentence(tmp_path):
+def test_a_missing_or_invalid_file_is_one_sentence(tmp_path):
     missing = tmp_path / "none.toml"
     assert problems(file=missing) == (f"cannot read {missing}, no such file or directory",)
     assert problems(file=tmp_path) == (f"cannot read {tmp_path}, is a directory",)

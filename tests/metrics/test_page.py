@@ -82,7 +82,7 @@ def test_the_alerts_of_the_monitoring_page_use_existing_metrics():
     assert len(used) > 5
 
 
-def test_what_is_hidden_from_a_role_is_on_no_line():
+def test_topics_hidden_from_a_role_are_not_on_its_page():
     seen = seen_by(state(topics=3), lambda name: name != "/topic1")
     text = "".join(pieces(seen))
     assert "/topic1" not in text

@@ -63,7 +63,7 @@ def no_blocking_calls() -> Iterator[None]:
     """Fail every test in which something on the loop waits for a disk or a socket."""
     with blockbuster_ctx("gateway") as calls:
         for call in calls.functions.values():
-            # a definition is read when its type is first used, some 0.1 ms, and then kept
+            # a definition is read when its type is first used (about 0.1 ms), and then kept
             call.can_block_in("schemas/installed.py", {"_read", "_installed_place"})
         yield
 

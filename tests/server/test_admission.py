@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who is admitted, on real sockets."""
+"""Admission of clients, on real sockets."""
 
 import asyncio
 import contextlib
@@ -230,7 +230,7 @@ async def test_a_token_in_a_wrong_place_or_two_tokens_get_400(serve: Serve, targ
     assert without_token(door.events)
 
 
-async def test_who_sends_no_token_is_closed_after_a_while(serve: Serve):
+async def test_a_client_that_sends_no_token_is_closed_after_a_while(serve: Serve):
     door = Door(serve, auth_timeout_s=0.2)
     async with (
         door.open() as served,
@@ -273,7 +273,7 @@ class Waiting:
         pass
 
 
-def test_64_operations_without_a_token_are_no_abuse_yet():
+def test_64_operations_without_a_token_are_not_abuse_yet():
     authentication = Authentication(Tokens((OPERATOR,)), Policy(AccessConfig()), None)
     parts = AccessConfig(), Audit(lambda: 0), lambda _: None, WebRules(())
     admission = Admission(authentication, *parts)
@@ -383,7 +383,7 @@ async def test_without_authentication_a_token_is_not_looked_at(serve: Serve):
         assert await speaker.sync() == []
 
 
-async def test_where_all_may_watch_a_token_makes_more_of_a_client(serve: Serve):
+async def test_if_all_may_watch_a_token_gives_more_permissions(serve: Serve):
     async with Door(serve, anonymous_role="viewer").open() as served:
         async with client(served.url) as speaker:
             assert await role_of(speaker) == "viewer"
@@ -395,7 +395,7 @@ async def test_where_all_may_watch_a_token_makes_more_of_a_client(serve: Serve):
             assert (await closing(speaker))[0] == 4401
 
 
-async def test_who_is_somebody_already_stays_it(serve: Serve):
+async def test_a_client_that_has_signed_in_keeps_its_role(serve: Serve):
     async with (
         Door(serve).open() as served,
         client(served.url, additional_headers=bearer(VIEWERS)) as speaker,
@@ -452,7 +452,7 @@ async def test_a_reload_closes_those_whom_it_takes_or_gives_something(
         assert await role_of(viewer) == "viewer"
 
 
-async def test_what_a_revoked_client_had_open_ends_before_it_says_goodbye(serve: Serve):
+async def test_everything_of_a_revoked_client_ends_before_its_closing_handshake(serve: Serve):
     door = Door(serve, limits={"close_timeout_s": 2.0})
     async with door.open() as served:
         reader, writer = await asyncio.open_connection("127.0.0.1", served.port)

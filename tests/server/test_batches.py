@@ -62,7 +62,7 @@ class Joiner(Writer):
 
 
 @pytest.mark.parametrize("version", SOUND)
-def test_where_it_is_sound_nothing_is_copied(version):
+def test_with_a_sound_writelines_nothing_is_copied(version):
     transport = Writer()
     assert batch_writer(transport, version) == transport.writelines
 
@@ -70,7 +70,7 @@ def test_where_it_is_sound_nothing_is_copied(version):
 @pytest.mark.parametrize(
     ("transport", "version"), [(Writer(), DEAF[0]), (Joiner(), SOUND[0])], ids=["deaf", "joins"]
 )
-def test_where_frames_would_be_joined_only_a_few_are(transport, version):
+def test_only_a_few_frames_are_joined(transport, version):
     write = batch_writer(transport, version)
     few = [b"x" * (MOST_JOINED_BYTES - 1), b"y"]
     many = [b"header", *few]
@@ -82,6 +82,6 @@ def test_where_frames_would_be_joined_only_a_few_are(transport, version):
 
 
 @pytest.mark.parametrize("version", DEAF)
-async def test_where_it_is_not_it_is_not_used(connected, version):
+async def test_an_unsound_writelines_is_not_used(connected, version):
     transport, _, _ = connected
     assert batch_writer(transport, version) != transport.writelines

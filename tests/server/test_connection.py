@@ -42,7 +42,7 @@ SLICE_S = 0.004
 
 
 class Transport(asyncio.Transport):
-    """Keeps what is written, for ever or until it is `taken`."""
+    """Keeps written data, forever or until it is `taken`."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -51,7 +51,7 @@ class Transport(asyncio.Transport):
         self.is_aborted = False
         self.high_water_bytes: int | None = None
         self.options: dict[tuple[int, int], int] = {}
-        self.tcp_state: int | None = None  # this is no TCP
+        self.tcp_state: int | None = None  # this is not TCP
         self.on_written: Callable[[], None] = lambda: None
 
     def get_extra_info(self, name: str, default: Any = None) -> Any:
@@ -322,7 +322,7 @@ def test_a_message_that_is_too_large_ends_it_in_words_even_if_what_waits_cannot_
     assert (1009).to_bytes(2, "big") in wire.transport.unsent
 
 
-def test_what_takes_longer_than_a_slice_goes_on_in_later_turns_and_in_order(wire: Wire):
+def test_long_work_goes_on_in_later_turns_and_in_order(wire: Wire):
     wire.acceptor.cost_s = 0.001
     wire.receive(pings(*range(12)))
     assert wire.pongs == list(range(5))  # 4 ms, and one operation
@@ -364,10 +364,10 @@ def test_a_large_message_is_carried_out_in_the_turn_after_the_one_in_which_it_is
     assert wire.is_served
 
 
-def test_what_was_read_of_a_large_message_does_not_wait_for_the_budget_as_what_follows_does(
+def test_only_the_input_behind_a_large_message_waits_for_the_budget(
     wire: Wire,
 ):
-    wire.acceptor.cost_s = 0.3  # of reading; the burst is 0.25 s
+    wire.acceptor.cost_s = 0.3  # of reading, while the burst is 0.25 s
     wire.receive(masked(Opcode.TEXT, padded_ping(8 * 1024 + 1)) + pings(1, 2))
     assert wire.pongs == []
     assert wire.next_turn() == 0
@@ -382,7 +382,7 @@ def test_a_message_of_8_kib_is_carried_out_at_once(wire: Wire):
     assert wire.pongs == [0]
 
 
-def test_what_a_large_message_asks_for_is_forgotten_with_a_connection_that_ends(wire: Wire):
+def test_the_work_of_a_large_message_ends_with_its_connection(wire: Wire):
     wire.receive(masked(Opcode.TEXT, padded_ping(8 * 1024 + 1)))
     wire.connection.close(1000, "")
     wire.until_served()
@@ -410,7 +410,9 @@ def test_no_more_than_4_kib_are_parsed_at_once(wire: Wire, monkeypatch: pytest.M
     assert sizes == [4096] * 4
 
 
-def test_who_has_spent_a_quarter_of_a_second_is_read_for_a_quarter_of_the_time(wire: Wire):
+def test_a_client_that_has_spent_a_quarter_of_a_second_is_read_for_a_quarter_of_the_time(
+    wire: Wire,
+):
     wire.now_s += 100  # which saves up nothing beyond the burst
     wire.acceptor.cost_s = 0.24
     wire.receive(pings(1))
@@ -425,7 +427,7 @@ def test_who_has_spent_a_quarter_of_a_second_is_read_for_a_quarter_of_the_time(w
     assert wire.pongs == [1, 2, 3, 4, 5]
 
 
-def test_what_waits_is_handled_no_faster_than_its_budget_allows(wire: Wire):
+def test_waiting_input_is_handled_as_fast_as_its_budget_allows(wire: Wire):
     wire.acceptor.cost_s = 0.3
     wire.receive(pings(*range(4)))
     assert wire.pongs == [0]
@@ -462,7 +464,7 @@ def test_beyond_the_budget_the_newest_message_of_a_topic_of_depth_1_replaces_the
     assert session.replaced == 2
 
 
-def test_who_has_spent_its_budget_is_behind_until_it_has_more(wire: Wire):
+def test_a_client_without_budget_is_behind_until_it_has_more(wire: Wire):
     session = wire.connection.session
     assert session is not None
     wire.acceptor.cost_s = 0.3
@@ -474,7 +476,7 @@ def test_who_has_spent_its_budget_is_behind_until_it_has_more(wire: Wire):
     assert not session.is_behind
 
 
-def test_what_comes_behind_a_pause_may_be_as_old_as_the_pause(wire: Wire):
+def test_input_after_a_pause_may_be_as_old_as_the_pause(wire: Wire):
     session = wire.connection.session
     assert session is not None
     waited_s: list[float] = []
@@ -502,7 +504,7 @@ def test_what_comes_behind_a_pause_may_be_as_old_as_the_pause(wire: Wire):
     assert read() == 0
 
 
-def test_what_is_read_up_to_three_turns_behind_a_pause_may_have_waited(wire: Wire):
+def test_input_up_to_three_turns_after_a_pause_may_have_waited(wire: Wire):
     session = wire.connection.session
     assert session is not None
     waited_s: list[float] = []
@@ -523,7 +525,7 @@ def test_what_is_read_up_to_three_turns_behind_a_pause_may_have_waited(wire: Wir
         wire.run(10)
 
 
-def test_what_fills_the_buffer_may_have_more_behind_it(wire: Wire):
+def test_a_full_buffer_may_have_more_behind_it(wire: Wire):
     session = wire.connection.session
     assert session is not None
     wire.acceptor.cost_s = 0.3
@@ -558,7 +560,7 @@ def test_a_read_costs_15_us(wire: Wire, monkeypatch: pytest.MonkeyPatch):
     while wire.is_served:
         wire.receive(frame[reads : reads + 1])
         reads += 1
-    assert reads == pytest.approx(0.25 / 15e-6, rel=0.01)  # what may be spent at once
+    assert reads == pytest.approx(0.25 / 15e-6, rel=0.01)  # the time that may be spent at once
 
 
 def test_time_that_is_spent_elsewhere_is_paid_for_too(wire: Wire):
@@ -570,7 +572,7 @@ def test_time_that_is_spent_elsewhere_is_paid_for_too(wire: Wire):
     assert not wire.is_served
 
 
-def test_who_returns_has_not_more_time_than_its_address(
+def test_a_client_that_returns_has_only_the_time_of_its_address(
     wire: Wire, monkeypatch: pytest.MonkeyPatch
 ):
     server = wire.acceptor._server
@@ -582,7 +584,7 @@ def test_who_returns_has_not_more_time_than_its_address(
     again.connection.connection_lost(None)
 
 
-def test_who_has_gone_meanwhile_is_not_served(wire: Wire):
+def test_a_client_that_has_left_is_not_served(wire: Wire):
     wire.acceptor.cost_s = 0.3
     wire.receive(pings(1, 2, 3))
     wire.connection.abort()
@@ -633,7 +635,9 @@ def test_a_stop_does_not_wait_for_the_budget_of_its_client(wire: Wire):
         STOP[:-1] + b" " * 1024 + b"}",
     ],
 )
-def test_what_only_has_the_word_in_it_or_is_long_waits_for_its_turn(wire: Wire, other: bytes):
+def test_a_long_message_or_one_that_only_contains_the_word_waits_for_its_turn(
+    wire: Wire, other: bytes
+):
     wire.acceptor.cost_s = 0.005
     wire.receive(pings(1, 2) + masked(Opcode.TEXT, other))
     assert wire.carried_out == [1]
@@ -685,7 +689,7 @@ def test_so_much_is_read_ahead_of_who_has_spent_its_time(wire: Wire, size: int, 
     assert len(wire.acceptor.received) == sent
 
 
-def test_who_drives_goes_first_and_who_has_spent_much_last(wire: Wire):
+def test_the_driver_goes_first_and_the_greediest_client_last(wire: Wire):
     inbound, session = wire.connection._inbound, wire.connection.session
     assert session is not None
     assert inbound.rank(wire.now_s) == 1
@@ -697,7 +701,7 @@ def test_who_drives_goes_first_and_who_has_spent_much_last(wire: Wire):
     assert inbound.rank(wire.now_s) == 0
 
 
-def test_who_drives_does_not_wait_for_the_others_of_its_address_but_for_its_own_time(wire: Wire):
+def test_the_driver_waits_for_its_budget_and_not_for_others_of_its_address(wire: Wire):
     session = wire.connection.session
     assert session is not None
     neighbour = wire.acceptor.budgets.open("127.0.0.1")
@@ -730,7 +734,7 @@ def publish(number: int) -> bytes:
 def leave(wire: Wire, how: str) -> None:
     """Have the client go that has left some things behind."""
     match how:
-        case "closed":  # what is not read is in front of the end
+        case "closed":  # unread input is before the end
             wire.transport.tcp_state = 8
             wire.pass_time(0.25)
         case "end":
@@ -773,7 +777,7 @@ def test_a_publish_in_fragments_that_a_client_leaves_is_carried_out(wire: Wire):
     assert wire.acceptor.received[1:] == [first + last, fragment]
 
 
-def test_what_a_client_leaves_is_carried_out_for_a_second_at_most(wire: Wire):
+def test_the_rest_of_a_client_is_carried_out_for_a_second_at_most(wire: Wire):
     wire.acceptor.cost_s = 0.3
     wire.receive(pings(1) + b"".join(map(publish, range(50))))
     wire.transport.tcp_state = 8
@@ -806,9 +810,7 @@ def test_a_client_of_which_nothing_is_left_to_do_ends_at_once(wire: Wire, *, is_
 
 
 @pytest.mark.parametrize(("cost_s", "count"), [(0.001, 9), (0.011, 2)])
-def test_what_is_left_of_a_lost_client_is_carried_out_for_20_ms(
-    wire: Wire, cost_s: float, count: int
-):
+def test_the_rest_of_a_lost_client_is_carried_out_for_20_ms(wire: Wire, cost_s: float, count: int):
     wire.acceptor.cost_s = 0.005
     wire.receive(b"".join(map(publish, range(10))))
     assert len(wire.acceptor.received) == 1
@@ -817,7 +819,7 @@ def test_what_is_left_of_a_lost_client_is_carried_out_for_20_ms(
     assert len(wire.acceptor.received) == 1 + count
 
 
-def test_what_a_lost_client_has_sent_is_not_carried_out_later(wire: Wire):
+def test_the_input_of_a_lost_client_is_not_carried_out_later(wire: Wire):
     wire.acceptor.cost_s = 0.3
     wire.receive(pings(1, 2, 3))
     wire.connection.connection_lost(None)
@@ -835,7 +837,7 @@ def test_messages_in_one_packet_with_a_close_are_carried_out_before_it_is_answer
     assert len(wire.acceptor.received) == 10
 
 
-def test_what_waits_when_we_close_is_not_carried_out(wire: Wire):
+def test_input_that_waits_when_the_gateway_closes_is_not_carried_out(wire: Wire):
     wire.acceptor.cost_s = 0.1
     wire.receive(pings(*range(5)))
     wire.connection.close(1001, "shutting down")
@@ -854,7 +856,7 @@ def test_pings_are_answered_in_their_turn_and_so_are_those_behind_a_slice(wire: 
     assert wire.transport.unsent.endswith(bytes((0x80 | Opcode.PONG, 5)) + b"hello")
 
 
-def test_who_sends_pings_and_reads_nothing_is_cut_off_at_64_kib_of_pongs(wire: Wire):
+def test_a_client_that_pings_and_does_not_read_is_cut_off_at_64_kib_of_pongs(wire: Wire):
     wire.connection.pause_writing()
     while not wire.transport.is_aborted:
         assert len(wire.transport.unsent) <= 64 * 1024
@@ -894,7 +896,7 @@ async def test_a_handshake_has_5_s(serve: Serve, monkeypatch: pytest.MonkeyPatch
         assert wire.transport.is_aborted
 
 
-async def test_who_asks_for_a_page_has_35_s_to_take_it_and_a_second_to_close(
+async def test_a_page_has_35_s_to_be_read_and_its_connection_a_second_to_close(
     serve: Serve, monkeypatch: pytest.MonkeyPatch
 ):
     async with serve() as served:
@@ -936,7 +938,7 @@ def test_the_closing_handshake_has_a_second(wire: Wire):
     assert wire.transport.is_aborted
 
 
-def test_who_takes_nothing_for_30_s_is_cut_off(wire: Wire):
+def test_a_client_that_accepts_nothing_for_30_s_is_cut_off(wire: Wire):
     wire.transport.unsent = b"x" * 100
     wire.connection.pause_writing()
     for taken in (1, 1, 0):

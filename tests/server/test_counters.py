@@ -51,13 +51,13 @@ def test_ends_are_counted_by_whom_reason_and_code(ended: End, labels: tuple[str,
         (end("client", "handshake"), "none"),
     ],
 )
-def test_who_does_not_become_a_client_is_counted_by_what_refused_it(ended: End, reason: str):
+def test_a_refused_connection_is_counted_by_its_reason(ended: End, reason: str):
     counters = ServerCounters()
     counters.ended(ended, was_client=False)
     assert counters.handshakes_refused == {reason: 1}
 
 
-def test_a_page_is_no_refused_handshake():
+def test_a_page_is_not_a_refused_handshake():
     counters = ServerCounters()
     counters.ended(end("gateway", "http", 200), was_client=False)
     assert not counters.handshakes_refused

@@ -197,7 +197,7 @@ async def test_an_end_says_what_a_client_was(serve: Serve, caplog):
     assert 0 < record.lasted_s < TIMEOUT_S
 
 
-async def test_what_a_peer_makes_up_is_truncated(serve: Serve, caplog):
+async def test_a_long_text_of_a_peer_is_truncated(serve: Serve, caplog):
     caplog.set_level("INFO", LOGGER)
     async with serve() as served:
         key = b"Sec-WebSocket-Key: " + b"9" * 5000 + b"\r\nX: "
@@ -221,7 +221,7 @@ async def test_connections_are_numbered_and_so_are_their_lines(serve: Serve, cap
     assert connected == ["127.0.0.1#1"]
 
 
-async def test_who_waits_with_its_request_for_too_long_is_named_so(serve: Serve, caplog):
+async def test_a_late_request_is_named_in_the_log(serve: Serve, caplog):
     caplog.set_level("INFO", LOGGER)
     async with serve({"open_timeout_s": 0.1}) as served:
         await request(served, b"GET /")

@@ -30,7 +30,7 @@ TRUSTED = [ip_network("10.0.0.0/8"), ip_network("fd00::/8"), ip_network("127.0.0
         ("?", {"X-Forwarded-For": "203.0.113.5"}, "?"),
     ],
 )
-def test_the_nearest_address_that_is_no_trusted_proxys_counts(peer, headers, address):
+def test_the_nearest_address_without_a_trusted_proxy_counts(peer, headers, address):
     assert client_address(peer, Headers(headers), TRUSTED) == address
 
 

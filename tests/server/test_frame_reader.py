@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a client sends is read as `websockets` reads it, however it is cut and whatever is wrong."""
+"""Input is read as `websockets` reads it, in pieces of any size and with any mistake."""
 
 import struct
 from collections.abc import Callable, Sequence
@@ -22,7 +22,7 @@ REQUEST = (
     b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
 )
 MAX_BYTES = 300
-# where the head of a frame changes, and where a message is too large
+# sizes at which the head of a frame changes, or a message is too large
 SIZES = (0, 1, 5, 125, 126, MAX_BYTES, MAX_BYTES + 1, 65_535, 65_536)
 
 
@@ -105,7 +105,7 @@ def read(
 
 @given(streams, st.lists(st.integers(0, 1 << 20), max_size=5))
 @example([TEXT, TEXT], [len(TEXT) - 1])
-@example([frame(0x81, TEXT), TEXT], [6])  # what looks like a message, within one
+@example([frame(0x81, TEXT), TEXT], [6])  # a message that contains another
 @example([TEXT, CLOSE, TEXT], [len(TEXT + CLOSE)])
 @example([BEGUN, TEXT, ENDED], [len(BEGUN)])
 @example([BEGUN, PING, TEXT], [len(BEGUN), len(BEGUN + PING)])
@@ -121,14 +121,14 @@ def test_any_stream_in_any_pieces_is_read_as_by_websockets(frames: list[bytes], 
 
 
 @pytest.mark.parametrize("end", range(len(CONVERSATION)))
-def test_what_comes_while_we_close_is_read_as_by_websockets(end: int):
+def test_input_while_closing_is_read_as_by_websockets(end: int):
     pieces = CONVERSATION[:end], CONVERSATION[end:] + CLOSE + TEXT
     ours = read(FrameReader, *pieces, closed_before=1)
     assert ours == read(Alone, *pieces, closed_before=1)
 
 
 class Counted:
-    """What `websockets` is given to read."""
+    """The input of `websockets`."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.protocol = opened(1 << 20)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What /healthz says, and with which status."""
+"""The answers of /healthz, and their status."""
 
 import asyncio
 import json

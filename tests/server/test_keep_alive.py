@@ -59,7 +59,9 @@ def judged() -> Judged:
 
 
 @pytest.mark.parametrize("waiting_bytes", [0, 2])  # of a ping that is on its way whenever one looks
-def test_who_answers_no_ping_stays_for_an_hour_while_its_kernel_takes(judged, waiting_bytes: int):
+def test_a_client_that_answers_no_ping_stays_while_its_kernel_accepts_data(
+    judged, waiting_bytes: int
+):
     judged.waiting_bytes = waiting_bytes
     assert judged.during(HOUR_S, taken=1) == [PING] * (HOUR_S // 5)
     assert judged.keep_alive.round_trip_s is None
@@ -82,7 +84,7 @@ def test_no_ping_is_put_behind_what_is_not_taken(judged: Judged):
     assert judged.during(20) == []
 
 
-def test_who_takes_nothing_of_what_waits_is_cut_off_after_30_s_and_who_takes_a_byte_is_not(
+def test_a_client_that_accepts_nothing_is_cut_off_after_30_s_unless_it_accepts_a_byte(
     judged: Judged,
 ):
     judged.is_paused, judged.waiting_bytes = True, 100
@@ -98,7 +100,7 @@ def test_that_is_so_of_the_little_that_waits_while_the_socket_takes_more(judged:
     assert next(verdict for verdict in judged.during(33) if verdict != PING) == TOOK_NOTHING
 
 
-def test_who_has_taken_all_has_the_time_again_when_something_waits(judged: Judged):
+def test_a_client_that_has_accepted_all_has_the_full_time_again(judged: Judged):
     judged.is_paused, judged.waiting_bytes = True, 100
     assert judged.during(29) == []
     judged.waiting_bytes = 0
@@ -119,7 +121,7 @@ def test_the_kernel_is_asked_once_a_second(judged: Judged):
     assert judged.looks == 60
 
 
-def test_half_of_the_send_queue_is_no_backlog_and_more_has_its_time(judged: Judged):
+def test_only_more_than_half_of_the_send_queue_is_a_backlog(judged: Judged):
     judged.is_paused = True
     queue = judged.outbox.open_queue(100, None)
     queue.put(Waiting())

@@ -56,7 +56,7 @@ async def test_a_question_is_answered_again_and_again(
         assert await heard(asking) == answer(GATEWAY)
 
 
-async def test_what_is_no_question_is_not_answered(
+async def test_other_datagrams_are_not_answered(
     discovery: LanDiscovery, asking: socket.socket
 ) -> None:
     for datagram in (b"", b"{}", question()[:-1], answer(GATEWAY), b"x" * 1400):

@@ -108,7 +108,7 @@ def test_a_link_that_is_used_a_little_is_taken_for_faster_until_nobody_cares():
     simulation = Simulation(50e3)
     simulation.run(3, frame=1000)
     simulation.bytes_per_s = 100e6
-    simulation.run(1, frame=100, every_ms=20)  # what was on the way drains at once
+    simulation.run(1, frame=100, every_ms=20)  # the bytes on the way drain at once
     before = simulation.link.bytes_per_s
     simulation.run(1, frame=100, every_ms=20)
     after = simulation.link.bytes_per_s
@@ -165,7 +165,7 @@ def test_the_rate_of_a_link_that_passes_a_segment_now_and_then_is_found(bits_per
     assert simulation.link.bytes_per_s == pytest.approx(bits_per_s / 8, rel=0.3)
 
 
-def test_a_hole_in_the_radio_is_no_slow_link():
+def test_a_hole_in_the_radio_is_not_a_slow_link():
     simulation = Simulation(625e3)
     simulation.run(3, frame=1000)
     known = simulation.link.bytes_per_s
@@ -235,7 +235,7 @@ def test_a_burst_that_a_router_passes_on_at_once_at_most_doubles_the_rate():
         max_size=40,
     )
 )
-def test_whatever_the_kernel_says_the_window_lets_something_pass(
+def test_the_window_lets_something_pass_with_any_reading(
     readings: list[tuple[int, int, int, float]],
 ):
     link = Link()

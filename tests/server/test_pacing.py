@@ -36,7 +36,7 @@ class Paced(Timers):
         self.check()
 
     def check(self) -> None:
-        """Whoever looks at the room alone does not write during a pause."""
+        """Code that checks only the room does not write during a pause."""
         assert not self.pacing.is_paused or self.pacing.room_bytes <= 0
 
     def drain(self, bytes_per_s: float, seconds: float) -> None:
@@ -121,7 +121,7 @@ def test_after_a_pause_looks_are_frequent_again(paced: Paced):
 
 def test_a_slow_link_is_looked_at_when_it_has_drained(paced: Paced):
     paced.drain(50e3, 3)
-    paced.acked = paced.written  # begin anew, with a link that is known
+    paced.acked = paced.written  # start again, with a known link
     paced.run(0.06)
     while not paced.pacing.is_paused:
         paced.write(500)
@@ -169,7 +169,7 @@ def test_a_full_socket_has_no_room_though_its_link_has(paced: Paced, *, is_known
 def test_a_part_of_a_picture_that_is_written_during_a_pause_does_not_end_it(paced: Paced):
     paced.write(FIRST_WINDOW_BYTES + 1)
     paced.acked = paced.written
-    paced.write(1)  # looks at the link, which has drained; then checks that there is no room
+    paced.write(1)  # looks at the drained link, then checks that there is no room
     assert paced.pacing.is_paused
 
 
@@ -181,7 +181,7 @@ def test_closed_it_looks_no_more(paced: Paced):
     assert (paced.looks, paced.resumed) == (looks, 0)
 
 
-def test_where_the_kernel_says_nothing_only_the_socket_pauses(paced: Paced):
+def test_without_a_reading_of_the_kernel_only_the_socket_pauses(paced: Paced):
     paced.is_known = False
     for _ in range(10):
         paced.write(FIRST_WINDOW_BYTES)

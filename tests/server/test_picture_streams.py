@@ -114,7 +114,7 @@ async def view(
 
 
 async def answer(served: Served, path: str, method: str = "GET", **headers: str) -> tuple[int, str]:
-    """Return the status and the text of a response that is no picture."""
+    """Return the status and the text of a response without an image."""
     async with view(served, path, method, **headers) as viewer:
         head = await viewer.begin()
         return int(head.split()[1]), (await viewer.rest()).decode()
@@ -446,7 +446,7 @@ async def test_a_stream_ends_with_the_token_that_it_was_asked_for_with(serve: Se
             await other.picture()
 
 
-async def test_who_is_gone_without_a_word_is_noticed_while_no_picture_comes(serve: Serve):
+async def test_a_lost_viewer_is_noticed_while_no_image_arrives(serve: Serve):
     async with serve() as served:
         camera(served)
         async with view(served, f"/stream?topic={CAMERA}"):

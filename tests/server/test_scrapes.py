@@ -187,7 +187,9 @@ async def test_the_series_of_a_client_end_with_it_and_its_topics_keep_the_counts
         assert page.values("topic_messages_received_total")["/t",] == 18
         assert page.values("topic_messages_sent_total")["/t",] == 12
         assert page.values("topic_messages_coalesced_total")["/t",] == 3
-        assert page.values("topic_messages_dropped_total")["/t",] == 3  # what throttles still held
+        assert (
+            page.values("topic_messages_dropped_total")["/t",] == 3
+        )  # messages that throttles still held
         assert page.values("topic_published_total")["/u",] == 3
         assert page.values("sessions_total")[()] == 3
         page.check_sums()
@@ -228,7 +230,7 @@ async def test_the_counts_of_a_client_and_topic_do_not_fall_when_one_of_two_name
         assert page.values("topic_messages_received_total")["/t",] == 7
 
 
-async def test_what_cannot_be_encoded_is_dropped_but_by_no_full_queue(serve: Serve):
+async def test_a_message_that_cannot_be_encoded_is_not_dropped_by_a_full_queue(serve: Serve):
     async with serve() as served, client(served.url) as listener:
         publisher = served.ros.add_publisher("/t", STRING)
         await listener.send(op="subscribe", topic="/t")
@@ -243,7 +245,7 @@ async def test_what_cannot_be_encoded_is_dropped_but_by_no_full_queue(serve: Ser
         assert served.server.health()["dropped"] == 0
 
 
-async def test_a_client_that_asks_for_ever_new_names_leaves_no_series(serve: Serve):
+async def test_a_client_that_always_asks_for_new_names_leaves_no_series(serve: Serve):
     async with serve({"max_subscriptions": 64}) as served, client(served.url) as curious:
         before = (await scrape(served)).text.count("\n")
         for number in range(1000):
@@ -274,7 +276,7 @@ async def test_without_a_token_where_one_is_needed_nothing_is_told(serve: Serve)
         assert (await asyncio.to_thread(fetch, served, Authorization="Basic x"))[0] == 400
 
 
-async def test_what_is_hidden_from_a_role_is_not_in_its_metrics(serve: Serve):
+async def test_topics_hidden_from_a_role_are_not_in_its_metrics(serve: Serve):
     hidden = ViewerConfig(deny_subscribe=("/secret/**",))
     async with (
         Door(serve, viewer=hidden).open() as served,
@@ -330,7 +332,7 @@ async def test_ends_and_refusals_are_counted_by_a_closed_set_of_words(serve: Ser
         assert page.values("handshakes_refused_total") == refused
 
 
-async def test_who_asks_while_a_page_is_written_gets_that_one_and_a_bug_is_answered_500(
+async def test_all_that_ask_while_a_page_is_written_get_it_and_a_fault_is_answered_500(
     serve: Serve, monkeypatch: pytest.MonkeyPatch
 ):
     written = 0
@@ -461,7 +463,7 @@ async def test_a_page_that_is_not_taken_is_waited_for(
             writer.close()
 
 
-async def test_what_comes_behind_a_request_for_the_metrics_is_ignored(
+async def test_input_behind_a_request_for_the_metrics_is_ignored(
     serve: Serve, monkeypatch: pytest.MonkeyPatch
 ):
     async with serve() as served:

@@ -252,7 +252,7 @@ async def test_sockets_that_never_shake_hands_are_cut_off_and_bounded(serve: Ser
 
 
 class Newcomer:
-    """A connection that is no client yet, or has been turned away."""
+    """A connection that is not a client yet, or was refused."""
 
     session = None
 
@@ -322,7 +322,7 @@ async def test_health_is_answered_while_half_open_and_refused_sockets_flood_in(s
             writer.close()
 
 
-async def test_who_was_refused_keeps_no_place_of_a_handshake(serve: Serve):
+async def test_a_refused_connection_frees_its_place(serve: Serve):
     async with serve({"max_clients": 1}) as served, client(served.url):
         reader, writer = await handshake(served)
         await reader.readuntil((1013).to_bytes(2, "big") + b"over capacity")
@@ -461,7 +461,7 @@ async def test_a_client_that_takes_nothing_is_cut_off_and_harms_nobody(serve: Se
         del reader
 
 
-async def test_what_waits_for_a_slow_client_is_bounded_and_the_newest_arrives(serve: Serve):
+async def test_the_queue_of_a_slow_client_is_bounded_and_the_newest_message_arrives(serve: Serve):
     async with serve() as served:
         publisher = served.ros.add_publisher("/big", STRING, Qos(depth=100))
         reader, writer = await handshake(served)
@@ -627,7 +627,7 @@ async def test_the_address_says_in_which_format_images_come(serve: Serve):
 )
 @pytest.mark.parametrize("origin", [(), ("Origin: http://evil.example:9090",)])
 @pytest.mark.parametrize("path", ["/", "/healthz"])
-async def test_a_name_that_somebody_had_point_here_is_not_served(
+async def test_a_foreign_name_that_points_here_is_not_served(
     serve: Serve, host, status, origin, path
 ):
     request = upgrade(f"Host: {host}", *origin).replace(b"GET / ", f"GET {path} ".encode())
@@ -708,7 +708,7 @@ async def test_other_methods_get_405(serve: Serve, method, body):
         ),
     ],
 )
-async def test_what_is_no_request_gets_its_status_and_leaves_no_trace(
+async def test_an_invalid_request_gets_its_status_and_leaves_no_trace(
     serve: Serve, request_bytes, status, caplog
 ):
     async with serve() as served, client(served.url) as other:
@@ -785,9 +785,7 @@ async def test_a_request_that_contradicts_itself_gets_400(serve: Serve, request_
     ],
 )
 @pytest.mark.parametrize("chunk", [1, 10_000])
-async def test_what_comes_behind_the_handshake_is_read_after_it(
-    serve: Serve, behind, chunk, caplog
-):
+async def test_input_behind_the_handshake_is_read_after_it(serve: Serve, behind, chunk, caplog):
     async with serve() as served, client(served.url) as other:
         reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
         data = upgrade("Host: localhost") + behind

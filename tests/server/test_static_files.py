@@ -107,7 +107,7 @@ async def test_every_file_is_served_with_its_type_and_the_policy(serve, files):
             assert "ws" not in policy  # no page connects elsewhere
 
 
-async def test_what_is_known_is_not_sent_again(serve, files):
+async def test_a_cached_file_is_not_sent_again(serve, files):
     async with serve(files=files) as served:
         first = await get(served.port, "/style.css")
         tag = first.headers["etag"]

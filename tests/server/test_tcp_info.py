@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the kernel says of real connections."""
+"""The readings of the kernel for real connections."""
 
 import fcntl
 import socket
@@ -30,7 +30,7 @@ def unacknowledged(sock: socket.socket) -> int:
     return int(struct.unpack("i", fcntl.ioctl(sock, termios.TIOCOUTQ, b"\0" * 4))[0])
 
 
-def test_what_the_peer_has_acknowledged_is_counted(pair):
+def test_acknowledged_bytes_are_counted(pair):
     near, far = pair
     near.sendall(b"x" * 5000)
     far.recv(5000, socket.MSG_WAITALL)
@@ -40,7 +40,7 @@ def test_what_the_peer_has_acknowledged_is_counted(pair):
     assert 0 < reading.min_rtt_s < 60
 
 
-def test_what_the_kernel_keeps_is_on_the_way(pair):
+def test_bytes_in_the_kernel_are_on_the_way(pair):
     near, far = pair
     near.setblocking(False)
     written = 0
@@ -58,7 +58,7 @@ def test_what_the_kernel_keeps_is_on_the_way(pair):
     del far
 
 
-def test_of_what_is_no_tcp_or_closed_nothing_is_known(pair):
+def test_other_and_closed_sockets_have_no_reading(pair):
     near, _ = pair
     near.close()
     assert read_tcp_info(near) is None
@@ -90,7 +90,7 @@ def test_a_peer_that_has_closed_is_noticed_behind_what_is_not_read(pair):
     assert near.recv(5000, socket.MSG_WAITALL) == b"x" * 5000
 
 
-def test_of_what_is_no_tcp_no_end_is_known():
+def test_other_sockets_have_no_known_end():
     left, right = socket.socketpair()
     with closing(left), closing(right):
         assert not is_ended(left)

@@ -26,7 +26,7 @@ def greedy(budgets: TimeBudgets, clock: Timers, order: list[str], name: str) -> 
     return spending
 
 
-def test_what_is_not_spent_for_a_second_may_be_spent_at_once_and_no_more():
+def test_the_unspent_time_of_a_second_may_be_spent_at_once_and_no_more():
     budget = TimeBudget(0.25, 100)
     assert budget.left_s(200) == 0.25
     assert budget.spend(0.35, 200) == pytest.approx(-0.1)
@@ -36,7 +36,7 @@ def test_what_is_not_spent_for_a_second_may_be_spent_at_once_and_no_more():
     assert budget.is_full(201.5)
 
 
-def test_a_debt_of_less_than_a_microsecond_is_none():
+def test_a_debt_of_less_than_a_microsecond_does_not_count():
     budget = TimeBudget(0.25, 100)
     budget.spend(0.25 + 0.5e-6, 100)
     assert budget.wait_s(100) == 0
@@ -44,7 +44,7 @@ def test_a_debt_of_less_than_a_microsecond_is_none():
     assert budget.wait_s(100) > 0
 
 
-def test_the_whole_time_is_no_limit():
+def test_the_whole_time_means_no_limit():
     budget = TimeBudget(1, 100)
     assert budget.spend(1000, 100) > 0
     assert budget.wait_s(100) == 0
@@ -66,7 +66,7 @@ def test_connections_of_one_address_share_a_budget_and_go_on_one_at_a_time(clock
         spending.close()
 
 
-def test_who_has_spent_least_goes_first_among_those_that_wait(clock: Timers):
+def test_the_waiting_client_that_has_spent_least_goes_first(clock: Timers):
     budgets = TimeBudgets(0.25, 0.5)
     order: list[str] = []
     pair = [greedy(budgets, clock, order, name) for name in "ab"]
@@ -100,7 +100,7 @@ def test_a_new_connection_has_no_more_than_its_address(clock: Timers):
     assert again.own.left_s(clock.now_s) == pytest.approx(0.1)
 
 
-def test_a_client_behind_a_proxy_spends_of_its_own_address(clock: Timers):
+def test_a_client_behind_a_proxy_spends_the_time_of_its_address(clock: Timers):
     budgets = TimeBudgets(0.25, 0.5)
     client = budgets.open("10.0.0.1")
     client.move("192.0.2.7")
@@ -161,7 +161,7 @@ def test_small_sums_add_up(clock: Timers):
     assert budgets.spent_s == pytest.approx((times + 2) * 0.0001)
 
 
-def test_what_was_spent_and_how_often_somebody_waited_is_counted(clock: Timers):
+def test_spent_times_and_waits_are_counted(clock: Timers):
     budgets = TimeBudgets(0.25, 0.5)
     client = budgets.open("10.0.0.1")
     client.spend(0.3, clock.now_s)

@@ -57,7 +57,7 @@ async def test_large_messages_pass_both_ways(serve: Serve, tls, trusting):
             assert (await speaker.receive())["value"] == "x" * size
 
 
-async def test_what_comes_with_the_end_of_the_handshake_is_read(serve: Serve, tls, trusting):
+async def test_input_with_the_end_of_the_handshake_is_read(serve: Serve, tls, trusting):
     """All in one packet: the last message of TLS, the request, and frames."""
     incoming, outgoing = ssl.MemoryBIO(), ssl.MemoryBIO()
     peer = trusting.wrap_bio(incoming, outgoing, server_hostname="localhost")
@@ -112,7 +112,7 @@ async def test_a_socket_that_never_begins_is_cut_off_after_a_while(serve: Serve,
     "data",
     [b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n", b"\x16\x03\x01\x00\x05hello", b"\0" * 9000],
 )
-async def test_what_is_no_tls_ends_that_socket_alone(serve: Serve, tls, trusting, data, caplog):
+async def test_data_other_than_tls_ends_only_that_socket(serve: Serve, tls, trusting, data, caplog):
     async with serve(tls=tls) as served, client(url(served), ssl=trusting) as other:
         reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
         writer.write(data)
@@ -142,7 +142,7 @@ async def test_a_peer_that_vanishes_leaves_nothing_behind(serve: Serve, tls, tru
 
 
 @pytest.mark.parametrize("is_client", [True, False])
-async def test_who_is_done_is_not_kept_waiting(serve: Serve, tls, trusting, is_client, monkeypatch):
+async def test_a_finished_client_does_not_wait(serve: Serve, tls, trusting, is_client, monkeypatch):
     monkeypatch.setattr(Connection, "tick", lambda *_: None)  # which ends by force
     async with serve(tls=tls) as served, asyncio.timeout(TIMEOUT_S):
         if is_client:

@@ -11,7 +11,7 @@ from tests.server.timers import Timers
 class Client:
     """A client with some operations that wait, of *cost_s* each."""
 
-    def __init__(  # what a client is
+    def __init__(  # the properties of a client
         self,
         turns: Turns,
         clock: Timers,
@@ -104,7 +104,7 @@ def test_clients_of_one_rank_have_as_much_of_a_turn(clock: Timers):
     assert all(room.log.count(name) == pytest.approx(10, abs=1) for name in "abcd")
 
 
-def test_what_one_does_not_need_is_the_others(clock: Timers):
+def test_unused_time_goes_to_the_others(clock: Timers):
     room = Room(clock)
     for name in "abc":
         room.ready(name, count=1)

@@ -36,7 +36,7 @@ class Timers:
             monkeypatch.setattr(module, "asyncio", SimpleNamespace(get_running_loop=lambda: loop))
 
     def take(self, seconds: float) -> None:
-        """Let something take so long. Nothing else happens meanwhile."""
+        """Let something take so long. Nothing else happens at the same time."""
         self.now_s += seconds
 
     def next_turn(self) -> float:
