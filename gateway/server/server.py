@@ -268,9 +268,7 @@ class Server:
         if request.method == "HEAD":
             return page(protocol, request, None, CONTENT_TYPE)
         if sum(each.awaits_page for each in self._connections) >= MAX_PAGES:
-            return protocol.reject(
-                503, f"busy: {MAX_PAGES} others get the metrics. Try again later\n"
-            )
+            return protocol.reject(503, f"busy: {MAX_PAGES} others get metrics. Try again later\n")
 
         def reply(body: bytes | None) -> None:
             if body is None:

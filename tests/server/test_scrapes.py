@@ -435,7 +435,7 @@ async def test_eight_wait_for_a_page_and_the_next_is_refused_until_one_is_done(
         asked = [await ask(served) for _ in range(8)]
         await eventually(lambda: awaited(served) == 8)
         status, _, text = await asyncio.to_thread(fetch, served)
-        assert (status, text) == (503, "busy: 8 others get the metrics. Try again later\n")
+        assert (status, text) == (503, "busy: 8 others get metrics. Try again later\n")
         assert (await asyncio.to_thread(fetch, served, "HEAD"))[0] == 200  # writes none
         asked.pop()[1].close()
         await eventually(lambda: awaited(served) == 7)
