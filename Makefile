@@ -34,7 +34,7 @@ SELECTION := $(if $(ALL),,-m 'not long')
 DURATION := $(if $(ALL),a quarter of an hour,six minutes)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve test kilted lint format docs site screenshots bench faults fuzz soak mutants clean
+.PHONY: help demo serve test kilted lint format docs site screenshots bench faults fuzz soak mutants release clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -103,6 +103,9 @@ soak: $(READY_FOR_TESTS) ## load, kill and abuse it for a while, see that nothin
 mutants: $(READY_FOR_TESTS) ## break lines on purpose, see that tests notice (make mutants WHAT=codec)
 	@$(BIN)/python -m tests.interfaces
 	@$(BIN)/python -m tools.mutants $(WHAT) $(ARGS)
+
+release: $(READY_FOR_TESTS) ## build wheel and sdist, install and start both, print what remains; uploads nothing
+	@$(BIN)/python -m tools.release
 
 clean: ## remove .venv and all caches
 	rm -rf $(VENV) $(KILTED) dist build .cache .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

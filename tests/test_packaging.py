@@ -88,7 +88,8 @@ def test_the_wheel_holds_every_file_of_its_packages(wheel):
         for path in (ROOT / package).rglob("*")
         if path.is_file() and "__pycache__" not in path.parts
     }
-    held = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
+    packaged = re.compile(r"(?!ros2_json_gateway-[^/]+/)")  # neither metadata nor documentation
+    held = set(filter(packaged.match, zipfile.ZipFile(wheel).namelist()))
     assert held == expected
     assert "schemas/messages.toml" in held
     assert "schemas/json/nav_msgs/Odometry.json" in held
@@ -109,6 +110,14 @@ def test_the_wheel_has_licence_command_and_extra(wheel):
     ros = [line for line in required if "ros-jazzy" in line]
     assert len(ros) == 2
     assert all("extra == 'ros'" in line for line in ros)
+
+
+def test_the_help_names_the_documentation_that_is_installed(bare_venv, tmp_path):
+    shown = run(bare_venv / "bin" / "ros2-gateway", "--help", cwd=tmp_path).stdout
+    index = Path(shown.rpartition("The documentation: ")[2].strip())
+    assert index.is_relative_to(bare_venv)
+    for page in ("reference/errors.md", "how-to/install.md", "tutorials/first-robot.md"):
+        assert (index.parent / page).exists()
 
 
 def test_without_rclpy_the_two_ways_to_get_it_are_told(bare_venv, tmp_path):

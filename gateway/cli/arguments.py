@@ -2,6 +2,7 @@
 """The commands of ``ros2-gateway`` and their arguments, with their help."""
 
 import argparse
+import site
 import sys
 from pathlib import Path
 from typing import Any, Final, NoReturn
@@ -58,7 +59,9 @@ def argument_parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="ros2-gateway",
         description="ROS 2 topics as JSON over a WebSocket (rosbridge protocol), both ways.",
-        epilog=f"{_EXIT_CODES}\n\n'ros2-gateway COMMAND --help' tells more, with examples.",
+        epilog=f"{_EXIT_CODES}\n\n"
+        "'ros2-gateway COMMAND --help' tells more, with examples.\n"
+        f"The documentation: {_documentation()}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
@@ -177,6 +180,15 @@ class _Version(argparse.Action):
 
         sys.stdout.write(f"ros2-gateway {version('ros2-json-gateway')}\n")
         parser.exit()
+
+
+def _documentation() -> str:
+    """Return where the documentation is, which comes with the source tree and with the package."""
+    if (Path(__file__).parents[2] / "docs/index.md").exists():
+        return "docs/index.md in the source tree"
+    user = site.getuserbase() or sys.prefix  # of `pip install --user`
+    places = (Path(base, "share/doc/ros2-json-gateway/index.md") for base in (sys.prefix, user))
+    return next((str(place) for place in places if place.exists()), "docs/ in the source archive")
 
 
 def _add_configuration(parser: argparse.ArgumentParser) -> None:

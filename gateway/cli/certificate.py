@@ -7,7 +7,9 @@ import errno
 import ipaddress
 import logging
 import os
+import shlex
 import socket
+import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -23,8 +25,10 @@ logger = logging.getLogger(__name__)
 VALID_DAYS: Final = 825  # Apple's devices refuse certificates that are valid for longer
 
 _SIGNER: Final = "ros2-gateway"  # how certificates that this machine has signed are named
+# This works for every way to install the gateway. The requirement is that of the extra `tls`.
 _HOW_TO_GET_IT: Final = (
-    "making certificates needs the package cryptography: pip install 'ros2-json-gateway[tls]'"
+    "the package cryptography, which makes certificates, is missing:"
+    f" run {shlex.quote(sys.executable)} -m pip install 'cryptography>=43'"
 )
 
 

@@ -2,7 +2,10 @@
 """The certificate that this machine signs for its port with TLS."""
 
 import datetime as dt
+import shlex
 import stat
+import sys
+import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,6 +18,7 @@ from gateway.errors import UsageError
 pytest.importorskip("cryptography")
 
 HOME = "192.168.1.7"
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(autouse=True)
@@ -87,3 +91,13 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path):
     (tmp_path / "file").write_text("")
     with pytest.raises(UsageError, match="cannot write"):
         own_certificate(tmp_path / "file" / "folder")
+
+
+def test_without_cryptography_the_error_names_a_command_that_installs_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cryptography", None)
+    with pytest.raises(UsageError) as caught:
+        make_certificate(tmp_path, ())
+    *command, requirement = shlex.split(str(caught.value).partition(": run ")[2])
+    assert command == [sys.executable, "-m", "pip", "install"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert project["optional-dependencies"]["tls"] == [requirement]

@@ -7,7 +7,7 @@ from typing import Any, Final
 from gateway.access.permissions import Action
 from gateway.ports import Graph, TopicInfo
 
-DOCS: Final = "docs/reference in the source tree: protocol/, services.md and messages.md"
+DOCS: Final = "run ros2-gateway --help on the gateway's computer: it names the documentation there"
 
 May = Callable[[Action, str], bool]
 
