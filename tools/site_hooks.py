@@ -39,6 +39,7 @@ REMOTE_SCRIPTS = {
     ),
     '"https://unpkg.com/resize-observer-polyfill"': '"data:text/javascript,"',
 }
+_ITEM = re.compile(r" {0,3}(?:[-*+]|\d+[.)]) +")
 _LINK = re.compile(r"(?<!!)\[((?:[^\[\]]|!\[[^\]]*\]\([^)]*\))+)\]\(([^)#\s]+)(#[^)\s]*)?\)")
 
 
@@ -79,7 +80,29 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         is_code = (ROOT / target).exists() and target not in files.src_uris
         return match[1] if is_code else match[0]
 
-    return _LINK.sub(without_code, markdown)
+    return indented_by_four(_LINK.sub(without_code, markdown))
+
+
+def indented_by_four(markdown: str) -> str:
+    """Indent what belongs to a list item by four spaces, which Python-Markdown needs."""
+    written: list[str] = []
+    columns: list[int] = []  # where the text of each open item starts
+    fence = ""
+    for line in markdown.splitlines():
+        indent = len(line) - len(line.lstrip())
+        while not fence and line.strip() and columns and indent < columns[-1]:
+            columns.pop()
+        column = columns[-1] if columns else 0
+        text = line[min(indent, column) :]
+        written.append(" " * 4 * len(columns) + text if text else "")
+        marker = text.lstrip()[:3]
+        if fence:
+            fence = "" if marker == fence else fence
+        elif marker in {"```", "~~~"}:
+            fence = marker
+        elif item := _ITEM.match(text):
+            columns.append(column + len(item[0]))
+    return "\n".join(written) + "\n"
 
 
 def on_post_build(config: MkDocsConfig) -> None:
