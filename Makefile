@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Everything runs in .venv, which the first call sets up; `make help` lists the targets.
+# Everything runs in .venv, which the first call sets up. `make help` lists the targets.
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -9,7 +9,7 @@ READY_FOR_TESTS := $(VENV)/.ready-for-tests
 READY_FOR_FUZZING := $(VENV)/.ready-for-fuzzing
 KILTED := .venv-kilted
 READY_ON_KILTED := $(KILTED)/.ready
-# what depends on rclpy and its middleware
+# tests that depend on rclpy and its middleware
 TESTS_OF_ROS := tests/ros tests/e2e/test_types_not_installed.py tests/e2e/test_learned_types.py \
     tests/e2e/test_readme.py
 # roslib and roslibpy, which the tests drive
@@ -25,11 +25,11 @@ ALL ?=
 SECONDS ?= 60
 MINUTES ?=
 PYTEST_ARGS ?= $(ARGS)
-# As many workers as tests/conftest.py says. Each begins with a part of the tests in their order, so that those that share
-# a gateway or a Mono process stay together; one that has done its own takes over from the others.
+# tests/conftest.py sets the number of workers. Each begins with a part of the tests in order, so that tests that share a
+# gateway or a Mono process stay together. A worker that has finished takes tests from the others.
 WORKERS := -n auto --dist worksteal
 
-# Whoever names tests gets those. Else what takes longest is left out, but for ALL=1.
+# If ARGS names tests, these run. Otherwise the longest tests are left out, unless ALL=1.
 SELECTION := $(if $(ALL),,-m 'not long')
 DURATION := $(if $(ALL),a quarter of an hour,six minutes)
 
@@ -45,7 +45,7 @@ demo: $(READY) ## start the simulated robot and the gateway (make demo ARGS='--p
 serve: $(READY) ## start the gateway alone (make serve ARGS='--domain-id 7')
 	@$(BIN)/ros2-gateway serve $(ARGS)
 
-test: lint $(CLIENTS) ## check and test, six minutes; a quarter of an hour with ALL=1 (make test ARGS='tests/cli/test_main.py -n0')
+test: lint $(CLIENTS) ## check and test, in six minutes, or in a quarter of an hour with ALL=1 (make test ARGS='tests/cli/test_main.py -n0')
 	$(BIN)/python -m schemas.generate --check
 	@$(BIN)/python -m tests.interfaces
 	@sh tools/make-mono.sh
@@ -53,7 +53,7 @@ test: lint $(CLIENTS) ## check and test, six minutes; a quarter of an hour with 
 	@$(if $(PYTEST_ARGS),:,echo "testing takes about $(DURATION) on two cores, the first time some minutes more ...")
 	$(BIN)/python -m pytest $(WORKERS) $(if $(findstring tests/,$(PYTEST_ARGS)),,$(SELECTION)) $(PYTEST_ARGS)
 
-kilted: $(READY_ON_KILTED) ## test what depends on ROS with ROS 2 Kilted, in .venv-kilted, some 5 minutes
+kilted: $(READY_ON_KILTED) ## test what depends on ROS with ROS 2 Kilted, in .venv-kilted, in about 5 minutes
 	@$(KILTED)/bin/python -m tests.interfaces
 	$(KILTED)/bin/python -m pytest $(WORKERS) $(or $(ARGS),$(TESTS_OF_ROS))
 
@@ -68,11 +68,11 @@ lint: $(READY_FOR_TESTS) ## check style, types, layers, and spelling
 	$(BIN)/codespell
 	$(BIN)/pymarkdown scan -r $(NOT_LINTED:%=-e %) README.md CONTRIBUTING.md CHANGELOG.md docker docs unity_client
 
-format: $(READY_FOR_TESTS) ## repair what style repairs can
+format: $(READY_FOR_TESTS) ## repair style
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
 
-docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation anew
+docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation again
 	$(BIN)/python -m schemas.generate
 	$(BIN)/python -m tools.unity_scenes
 	$(BIN)/python -m tools.unity_metas
@@ -84,23 +84,23 @@ site: $(READY_FOR_TESTS) $(CLIENTS) ## build the site of the documentation into 
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict $(ARGS)
 	@echo "to look at it: $(BIN)/python -m http.server --bind 127.0.0.1 --directory build/site 8000"
 
-screenshots: $(READY_FOR_TESTS) ## take the pictures of the pages anew, for docs/
+screenshots: $(READY_FOR_TESTS) ## take the pictures of the pages again, for docs/
 	$(BIN)/python -m tests.pages.screenshots
 
-bench: $(READY) ## measure speed, an hour (make bench WHAT=odometry, make bench COMPARE=ref)
+bench: $(READY) ## measure speed, in an hour (make bench WHAT=odometry, make bench COMPARE=ref)
 	@$(BIN)/python -m benchmarks $(WHAT) $(if $(COMPARE),--compare $(COMPARE)) $(ARGS)
 
-faults: $(READY_FOR_TESTS) $(CLIENTS) ## kill, freeze and cut off what drives a robot, three quarters of an hour (make faults REPEAT=3)
+faults: $(READY_FOR_TESTS) $(CLIENTS) ## kill, freeze, and disconnect programs that drive a robot, in 45 minutes (make faults REPEAT=3)
 	FAULTS_REPEAT=$(or $(REPEAT),20) $(BIN)/python -m pytest tests/e2e/faults -n0 -q $(ARGS)
 
-fuzz: $(READY_FOR_FUZZING) ## feed anything to parsers, codecs and a gateway (make fuzz WHAT=cdr_decoder SECONDS=60)
+fuzz: $(READY_FOR_FUZZING) ## feed random input to parsers, codecs, and a gateway (make fuzz WHAT=cdr_decoder SECONDS=60)
 	@$(BIN)/python -m tests.interfaces
 	@$(BIN)/python -m tests.fuzz $(WHAT) --seconds $(SECONDS) $(ARGS)
 
-soak: $(READY_FOR_TESTS) ## load, kill and abuse it for a while, see that nothing grows (make soak MINUTES=20)
+soak: $(READY_FOR_TESTS) ## load, kill, and abuse the gateway, and check that nothing grows (make soak MINUTES=20)
 	@$(BIN)/python -m tests.soak $(or $(MINUTES),20) $(ARGS)
 
-mutants: $(READY_FOR_TESTS) ## break lines on purpose, see that tests notice (make mutants WHAT=codec)
+mutants: $(READY_FOR_TESTS) ## break lines on purpose, and check that tests notice (make mutants WHAT=codec)
 	@$(BIN)/python -m tests.interfaces
 	@$(BIN)/python -m tools.mutants $(WHAT) $(ARGS)
 

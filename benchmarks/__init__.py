@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cost of the path from DDS to a socket, beside a bare rclpy subscriber in the same run."""
+"""The cost of the path from DDS to a socket, next to a bare rclpy subscriber in the same run."""

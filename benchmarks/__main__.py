@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """``python -m benchmarks [WHAT ...]``: what the gateway and the Unity client cost.
 
-Every process is a real one. Figures are medians; CPU time is user and system time of a process and
+Every process is a real one. Figures are medians. CPU time is user and system time of a process and
 its children. Read ratios: the times are those of one machine in one mood.
 """
 

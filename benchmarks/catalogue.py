@@ -85,7 +85,7 @@ SCENARIOS: Final[dict[str, Scenario]] = {
     "unity": Scenario("the Unity client under Mono", "1 min", _unity),
 }
 
-# the default of a comparison: a few minutes, every kind of ratio; large messages have none
+# the default of a comparison: a few minutes, every kind of ratio, no large messages
 COMPARED: Final = (
     *("string", "twist", "odometry", "laser-scan", "compressed-image"),
     *("inbound", "fan-out"),

@@ -14,7 +14,7 @@ _WARM_UP_S: Final = 1.0
 
 @dataclass(frozen=True)
 class Load:
-    """The frames delivered, and the CPU time that the server used meanwhile."""
+    """The frames delivered, and the CPU time that the server used in the meantime."""
 
     seconds: float
     frames: int

@@ -3,4 +3,4 @@
 
 
 class BenchmarkError(RuntimeError):
-    """A process did not do its part, or a request makes no sense; the text says which."""
+    """A process did not do its part, or a request makes no sense. The text says which."""

@@ -16,7 +16,7 @@ TOLERANCE: Final = 0.15  # machines are noisy: two runs of the same code differ 
 
 @dataclass(frozen=True)
 class Figure:
-    """One number. Only ratios can be compared between machines; of those less is better."""
+    """One number. Only ratios can be compared between machines. A smaller ratio is better."""
 
     scenario: str
     name: str
@@ -32,7 +32,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Verdict:
-    """A ratio beside the stored one."""
+    """A ratio next to the stored one."""
 
     scenario: str
     name: str
@@ -59,7 +59,7 @@ def compare(
 ) -> list[Verdict]:
     """Judge every ratio that both have.
 
-    If a ratio looks worse, its whole scenario is measured once more; it is worse only if the median
+    If a ratio looks worse, its whole scenario is measured once more. It is worse only if the median
     of both runs still is.
     """
     known = {one.key: one.value for one in stored if one.is_ratio}

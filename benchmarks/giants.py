@@ -67,7 +67,7 @@ def picture() -> Image:
 
 
 def marker() -> Marker:
-    """Return a line of 650,000 points, each a message of its own."""
+    """Return a line of 650,000 points, each a separate message."""
     message = Marker()
     message.points = [Point(x=0.1 * at, y=1.0, z=2.5) for at in range(650_000)]
     return message

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames that are legal and cost as much as they can.
 
-A client may send anything within the limits. What costs most is found by trying: of every array in
-every message type, elements that say nothing, and elements that say one field each.
+A client may send anything within the limits. A search finds the costliest frames. It tries every
+array of every message type, with empty elements and with elements of one field each.
 """
 
 import json
@@ -256,7 +256,7 @@ def _text_frames() -> Iterator[HostileFrame]:
 
 
 def _members(count: int, text: str, value: str | None = None) -> bytes:
-    """Return an object whose names begin with a number; they and the values have a text."""
+    """Return an object whose names begin with a number. They and the values have a text."""
     value = f'"{text}"' if value is None else value
     members = ",".join(f'"{number:05}{text}" :{value}' for number in range(count))
     return f"{{{members}}}".encode()
@@ -318,7 +318,7 @@ def _cbor(type_name: str, field: str, value: bytes) -> bytes:
 
 
 def _filled(element: str) -> str:
-    """Return elements, each with its comma, as many as may stand beside a NaN."""
+    """Return elements, each with its comma, as many as may stand next to a NaN."""
     tokens = element.count("NaN") + element.count("Infinity") + element.count('"') // 2
     most = min((MAX_TOKENS - _SPARE) // tokens, (LARGE_TEXT_BYTES - 1000) // (len(element) + 1))
     return f"{element}," * (min(most, MAX_CONTAINERS - _SPARE) if "{" in element else most)

@@ -14,5 +14,5 @@ class Plan:
     seconds: float
     """Of each measurement."""
     servers: tuple[MeasuredServer, ...]
-    """The gateway, then the servers measured beside it."""
+    """The gateway, then the servers measured next to it."""
     seeks_highest_rates: bool = True

@@ -25,7 +25,7 @@ _END_S: Final = 10.0
 
 
 class Process:
-    """A process in a session of its own, so that Ctrl-C reaches the benchmark, which ends it."""
+    """A process in a separate session, so that Ctrl-C reaches the benchmark, which ends it."""
 
     def __init__(self, name: str, command: list[str], *, is_asked: bool) -> None:
         self.name = name
@@ -168,7 +168,7 @@ def _family(pid: int) -> list[int]:
 
 
 def _cpu_s(pid: int) -> float:
-    """Return the time of one process by its clock, which counts nanoseconds; proc has only 10 ms.
+    """Return the time of one process by its clock, in nanoseconds. ``/proc`` has only 10 ms.
 
     Its ended children have no such clock.
     """
@@ -182,7 +182,7 @@ def _cpu_s(pid: int) -> float:
 
 
 def _stat(pid: int) -> list[str]:
-    """Return the fields after the name; none of a process that has just ended."""
+    """Return the fields after the name, none of a process that has just ended."""
     return _read(pid, "stat", ")").rsplit(")", 1)[1].split()
 
 

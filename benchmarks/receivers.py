@@ -17,7 +17,7 @@ _WARM_UP_S = 2.0  # discovery, and code that is compiled at first use
 
 @dataclass(frozen=True)
 class Receipt:
-    """The messages of one receiver, and the CPU time of the measured process meanwhile."""
+    """The messages of one receiver, and the CPU time of the measured process in the meantime."""
 
     rate_hz: float
     p50_ms: float
@@ -45,7 +45,7 @@ class Receiving:
         return result
 
     def clear(self) -> None:
-        """Forget the messages so far; call it while none arrive."""
+        """Forget the messages so far. Call it while none arrive."""
         self.actor.ask("clear")
 
     def receipt(self, seconds: float) -> Receipt:
@@ -96,7 +96,7 @@ class Floor:
 
 @dataclass(frozen=True)
 class ReceivingClient:
-    """A server with one client; the server is measured."""
+    """A server with one client. The server is measured."""
 
     server: MeasuredServer
 
@@ -122,7 +122,7 @@ def publishing(
     share: str = "0/1",
     before: tuple[str, ...] = (),
 ) -> Iterator[Process]:
-    """Publish at a rate until the end; with 0, as ordered."""
+    """Publish at a rate until the end, or as ordered if the rate is 0."""
     with acting("publisher", sample, topics, share, "now", before=before) as publisher:
         publisher.answer()
         if rate_hz:

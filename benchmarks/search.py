@@ -24,7 +24,7 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class Highest:
-    """The highest rate held; 0 for none."""
+    """The highest rate held, or 0."""
 
     rate_hz: float
     is_senders_limit: bool

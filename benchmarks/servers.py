@@ -27,7 +27,7 @@ NO_INBOUND_LIMITS: Final[Limits] = {
 
 @dataclass(frozen=True)
 class MeasuredServer:
-    """A server and its command; without a command it is the gateway."""
+    """A server and its command. Without a command it is the gateway."""
 
     name: str = "gateway"
     command: tuple[str, ...] = ()
@@ -35,7 +35,7 @@ class MeasuredServer:
 
     @contextlib.contextmanager
     def running_in(self, network: tuple[str, ...], host: str) -> Iterator[tuple[str, Process]]:
-        """Run it in another network, which a command enters, until the end; yield as `running`.
+        """Run it in another network, which a command enters, until the end. Yield as `running`.
 
         Another server is to listen on all addresses there.
         """
@@ -51,10 +51,10 @@ class MeasuredServer:
 
     @contextlib.contextmanager
     def running(self, limits: Limits | None = None) -> Iterator[tuple[str, Process]]:
-        """Run it until the end; yield its URL and its process once it accepts connections.
+        """Run it until the end. Yield its URL and its process once it accepts connections.
 
-        *limits* are the limits that a scenario raises, by the names of the gateway's configuration;
-        another server starts unchanged.
+        *limits* are the limits that a scenario raises, by the names of the gateway's configuration.
+        Another server starts unchanged.
         """
         if not self.command:
             with running(self.name, *gateway_command(0, limits)) as process:

@@ -21,10 +21,10 @@ from benchmarks.errors import BenchmarkError
 _NEAR_ADDRESS: Final = "10.78.0.1"
 _FAR_ADDRESS: Final = "10.78.0.2"
 _NOWHERE: Final = "02:00:00:00:00:99"  # a MAC address that nobody has
-# What routers keep for a slow link: more than anybody wants to wait for.
+# The queue of a router before a slow link: longer than anybody wants to wait.
 _ROUTERS_QUEUE_MS: Final = 1000
 _START_S: Final = 30.0
-_MIN_BURST_BYTES: Final = 3000  # two packets; ``tbf`` needs one, and 10 ms of the rate
+_MIN_BURST_BYTES: Final = 3000  # two packets. ``tbf`` needs one, and 10 ms of the rate
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class TwoNetworks:
             _run(*side, "tc", "qdisc", "replace", "dev", device, "root", "tbf", *shape)
 
     def lose(self, percent: int) -> bool:
-        """Lose so many packets, in each direction; return whether that can be had here."""
+        """Lose so many packets, in each direction. Return whether this machine can."""
         if shutil.which("nft") is None:
             return False
         for side in (self.near, self.far):
@@ -58,7 +58,7 @@ class TwoNetworks:
         return True
 
     def cut(self, *, is_cut: bool) -> None:
-        """Let nothing arrive, or mend it; the interfaces stay."""
+        """Let nothing arrive, or let everything arrive again. The interfaces stay."""
         for side, device, address, mac in (
             (self.near, "near", _FAR_ADDRESS, self.far_mac),
             (self.far, "far", _NEAR_ADDRESS, self.near_mac),
@@ -93,7 +93,7 @@ def two_networks() -> Iterator[TwoNetworks]:
 
 @contextlib.contextmanager
 def _network() -> Iterator[tuple[str, ...]]:
-    """Have a network with a loopback interface; yield the command that enters it."""
+    """Make a network with a loopback interface. Yield the command that enters it."""
     with subprocess.Popen(["unshare", "--net", "cat"], stdin=subprocess.PIPE) as holder:
         try:
             deadline_s = time.monotonic() + _START_S

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The cost of the Unity client, under Mono: reading messages, decoding pictures, receiving.
 
-The frames are the gateway's; a server in this process sends them as fast as the client takes them,
+The frames are the gateway's. A server in this process sends them as fast as the client takes them,
 or at a rate.
 """
 
@@ -60,7 +60,7 @@ class _Message:
     cbor: bytes
     rate_hz: float
     counting_hz: float = 0
-    """Beside it, what is allocated is counted at this rate: as often as memory lasts."""
+    """Next to it, what is allocated is counted at this rate: as often as memory lasts."""
     others: "tuple[_Message, ...]" = ()
     """Others that are sent in turn with it."""
 

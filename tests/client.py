@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from websockets.asyncio.client import ClientConnection, connect
 
-TIMEOUT_S = 120  # a busy machine may take its time; nothing here measures it
+TIMEOUT_S = 120  # a busy machine may take its time. Nothing here measures it
 
 Frame = dict[str, Any]
 T = TypeVar("T")
@@ -29,7 +29,7 @@ class Client:
     async def receive(
         self, wanted: Callable[[Frame], bool] = lambda frame: True, within_s: float = TIMEOUT_S
     ) -> Frame:
-        """Return the next frame that is wanted; the others are kept in `seen`."""
+        """Return the next frame that is wanted. The others are kept in `seen`."""
         async with asyncio.timeout(within_s):
             while True:
                 frame = json.loads(await self.socket.recv())
@@ -49,7 +49,7 @@ class Client:
         return frame["msg"]
 
     async def sync(self) -> list[Frame]:
-        """Wait until everything sent so far was carried out; return what came meanwhile."""
+        """Wait until everything sent so far was carried out. Return what came in the meantime."""
         self.seen.clear()
         await self.send(op="ping", id="sync")
         await self.receive(lambda frame: frame["op"] == "pong" and frame.get("id") == "sync")
@@ -62,7 +62,7 @@ async def client(
 ) -> AsyncIterator[Client]:
     """Connect a client, without proxies, compression or limits in the way.
 
-    Its address asks for a `status` of *level* or worse; without one it is as a client of rosbridge.
+    Its address asks for a `status` of *level* or worse. Without one it is as a client of rosbridge.
     """
     if level is not None:
         url += f"{'&' if '?' in url else '?'}status={level}"
@@ -85,7 +85,7 @@ async def eventually(condition: Callable[[], bool], within_s: float = TIMEOUT_S)
 
 
 async def eventually_equal(look: Callable[[], T], expected: T) -> None:
-    """Wait until what is seen is what is expected; after that, show where it differs."""
+    """Wait until what is seen is what is expected. After that, show where it differs."""
     try:
         await eventually(lambda: look() == expected)
     except TimeoutError:

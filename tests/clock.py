@@ -7,7 +7,7 @@ import pytest
 
 
 class StoppedClock:
-    """The clock of the running loop; it goes on by `advance` alone.
+    """The clock of the running loop. It goes on by `advance` alone.
 
     While it stands, only what is ready at once happens: nothing may wait by `asyncio.sleep` or
     `tests.client.eventually`.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Keeps the tests' ROS apart from everybody else's, before anything imports rclpy.
 
-Each worker of pytest-xdist is a process of its own, and imports this.
+Each worker of pytest-xdist is a separate process, and imports this.
 """
 
 import os
@@ -39,7 +39,7 @@ WHOLE_SYSTEMS = ("tests/e2e/", "tests/pages/")
 
 @pytest.hookimpl(tryfirst=True)  # before pytest leaves out what `-m` says
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark as ``long`` what tries a whole system, but for one of each kind, marked ``brief``."""
+    """Mark as ``long`` what tries a whole system, except for one of each kind, marked ``brief``."""
     for item in items:
         if item.nodeid.startswith(WHOLE_SYSTEMS) and item.get_closest_marker("brief") is None:
             item.add_marker("long")

@@ -15,7 +15,7 @@ def claim() -> int:
     for number in (*DOMAINS[first:], *DOMAINS[:first]):
         claimed = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         try:
-            # an abstract address: it is no file that could be left, and ends with the process
+            # an abstract address is not a file that could be left, and ends with the process
             claimed.bind(f"\0ros2-json-gateway/tests/dds-domain/{number}")
         except OSError:
             claimed.close()

@@ -24,7 +24,7 @@ _TEXTS = ("", "odom", "base_link", "grüße", "ハローワールド", "\U0001f9
 
 
 class RandomMessages:
-    """Makes messages out of a seed; most arrays are short, some are long."""
+    """Makes messages out of a seed. Most arrays are short, some are long."""
 
     def __init__(self, definitions: InstalledDefinitions, seed: int, longest: int = 4) -> None:
         self._definitions = definitions

@@ -30,7 +30,7 @@ class Bound(NamedTuple):
         return f"{self.file}: {self.name}"
 
 
-# What has such a name and bounds nothing, and why.
+# Constants with such a name that bound nothing, and why.
 NO_BOUNDS: Final = {
     Bound("gateway/codec/cdr/rows.py", "_FLOAT32_BYTES"): "a size of CDR",
     Bound("gateway/ros/action_forms.py", "_STATUS_BYTES"): "a size of CDR",
@@ -42,7 +42,7 @@ NO_BOUNDS: Final = {
 
 
 def bounds_of(file: str, source: str) -> Iterator[Bound]:
-    """Yield the bounds at the top of a module; what another one defines is that one's."""
+    """Yield the bounds that a module defines at its top."""
     for node in ast.parse(source).body:
         match node:
             case ast.AnnAssign(ast.Name(name), annotation, value) if (
@@ -56,7 +56,7 @@ def is_final(annotation: ast.expr) -> bool:
 
 
 def is_number(value: ast.expr | None) -> bool:
-    """Return whether it is a number, or computed of one; a mere name is another's number."""
+    """Return whether it is a number, or computed of one. A mere name is another's number."""
     match value:
         case ast.Constant(int() | float()):
             return True
@@ -106,7 +106,7 @@ def test_every_bound_is_changed_by_a_mutant(bounds: set[Bound], changed: set[Bou
     assert not missing, "\n".join([advice, *map(str, missing)])
 
 
-def test_what_bounds_nothing_is_there_and_no_mutant_names_it(bounds: set[Bound], named: set[Bound]):
+def test_each_exception_exists_and_no_mutant_names_it(bounds: set[Bound], named: set[Bound]):
     assert NO_BOUNDS.keys() <= bounds, "gone, or with another name: take it out of the list"
     assert not NO_BOUNDS.keys() & named
 

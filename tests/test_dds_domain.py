@@ -45,6 +45,6 @@ def test_a_domain_where_others_are_is_not_claimed() -> None:
     assert claimed != taken
 
 
-def test_who_is_in_a_domain_is_seen() -> None:
+def test_a_participant_of_a_domain_is_seen() -> None:
     with contextlib.closing(Outside()):
         assert dds_domain._is_in_use(OWN)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The container's health check, run as Docker runs it, at a stand-in's /healthz; and hadolint."""
+"""The container's health check, as Docker runs it, at a stand-in's /healthz, and hadolint."""
 
 import json
 import os

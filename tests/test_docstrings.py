@@ -10,7 +10,7 @@ import pytest
 REPOSITORY = Path(__file__).parents[1]
 ROOTS = ("gateway", "gateway_sim", "schemas", "benchmarks", "tools")
 GENERATED = "schemas/models/"
-# What a docstring must not contain, and what to write.
+# Words that a docstring must not contain, and words to write instead.
 RULES = (
     (
         re.compile(r"\A\s*(?:What|Where|Who|Whose|Whether|Which|How|When|Whenever)\b"),
@@ -79,5 +79,5 @@ def test_a_fault_is_reported_with_its_place_and_words(text, words):
 
 
 @pytest.mark.parametrize("text", ["Return whether it is open.", "The words, however many."])
-def test_plain_english_is_no_fault(text):
+def test_plain_english_has_no_fault(text):
     assert faults("one.py", f'"""{text}"""') == []

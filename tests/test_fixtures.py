@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tests share ends when they have."""
+"""Shared fixtures end when their tests have ended."""
 
 import re
 from pathlib import Path

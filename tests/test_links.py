@@ -15,7 +15,7 @@ PAGES = [
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_what_a_page_links_to_is_there(page: Path):
+def test_every_linked_file_exists(page: Path):
     targets = re.findall(r"\]\(([^)#\s]+)[^)]*\)", page.read_text("utf-8"))
     ours = [target for target in targets if ":" not in target]
     assert [target for target in ours if not (page.parent / target).exists()] == []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `make` does to files, with stand-ins for the programs that it calls."""
+"""The effects of `make` on files, with stand-ins for the programs that it calls."""
 
 import os
 import shutil

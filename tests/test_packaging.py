@@ -143,7 +143,7 @@ def test_without_ros_a_definition_needs_its_package_and_no_other_name(bare_venv,
     assert misspelt.stderr.endswith("is installed, did you mean std_msgs/msg/Header\n")
 
 
-def test_what_needs_no_ros_works_without_it(bare_venv, tmp_path):
+def test_commands_that_need_no_ros_work_without_it(bare_venv, tmp_path):
     command = bare_venv / "bin" / "ros2-gateway"
     assert run(command, "check-config", cwd=tmp_path).returncode == 0
     schema = run(command, "schema", "nav_msgs/Odometry", cwd=tmp_path)

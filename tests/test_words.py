@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What people read follows the rules of tools/check_words.py, as far as the record says."""
+"""All texts follow the rules of tools/check_words.py, as far as the record says."""
 
 from collections import Counter
 

@@ -10,7 +10,7 @@ from websockets.sync.server import ServerConnection, serve
 
 @contextlib.contextmanager
 def serving(handler: Callable[[ServerConnection], object]) -> Iterator[str]:
-    """Call *handler* with each connection; yield the address."""
+    """Call *handler* with each connection. Yield the address."""
 
     def handle(connection: ServerConnection) -> None:
         handler(connection)

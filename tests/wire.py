@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is in the WebSocket frames that the gateway made, read by other people's code."""
+"""The content of the gateway's WebSocket frames, read by other people's code."""
 
 import json
 from typing import Any

@@ -85,7 +85,7 @@ def _long_lines(source: str) -> Iterator[Fault]:
 
 
 def count(root: Path, names: Iterable[str]) -> dict[str, Counter[str]]:
-    """Return how often each file breaks each rule; files without a fault are left out."""
+    """Return how often each file breaks each rule. Files without a fault are left out."""
     counts = {
         name: Counter(fault.rule for fault in faults(name, (root / name).read_text("utf-8")))
         for name in names
@@ -102,7 +102,7 @@ def recorded(root: Path) -> dict[str, dict[str, int]]:
 def lowered(
     old: dict[str, dict[str, int]], new: dict[str, Counter[str]]
 ) -> dict[str, dict[str, int]]:
-    """Return the record with what has become less; it never rises."""
+    """Return the record with what has become less. It never rises."""
     return {
         name: {rule: min(limit, new[name][rule]) for rule, limit in rules.items()}
         for name, rules in old.items()
@@ -111,7 +111,7 @@ def lowered(
 
 
 def as_toml(record: dict[str, dict[str, int]]) -> str:
-    """Return the text of the record; what is 0 is left out."""
+    """Return the text of the record, without counts of 0."""
     lines = ["# How often each file breaks a rule of the words. `make docs` lowers it.\n"]
     for name, rules in sorted(record.items()):
         entries = [f"{rule} = {number}\n" for rule, number in sorted(rules.items()) if number]
@@ -121,7 +121,7 @@ def as_toml(record: dict[str, dict[str, int]]) -> str:
 
 
 def show_faults(root: Path, names: Iterable[str]) -> int:
-    """Print each fault and, at the end, how many there are of each rule; return 1 if any."""
+    """Print each fault and, at the end, how many there are of each rule. Return 1 if any."""
     totals: Counter[str] = Counter()
     for name in names:
         for fault in faults(name, (root / name).read_text("utf-8")):
@@ -144,7 +144,7 @@ def show_summary(root: Path, names: Iterable[str]) -> None:
 
 
 def main() -> int:
-    """Run the command line; return the exit code."""
+    """Run the command line. Return the exit code."""
     parser = argparse.ArgumentParser(description="Check the words that people read.")
     parser.add_argument("paths", nargs="*", metavar="PATH", help="a file or directory; default all")
     parser.add_argument("--summary", action="store_true", help="print figures instead of faults")

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Install the clients that others wrote, for the tests to drive, and what compiles for them: make-clients.sh VENV
-# They go into VENV/clients, each version apart from the other, and touch nothing else.
+# make-clients.sh VENV: installs clients of others for the tests, and their compilers.
+# Each version goes into a separate directory of VENV/clients.
 set -eu
 venv=$(cd "$1" && pwd)
 clients=$venv/clients
@@ -19,11 +19,11 @@ mkdir -p "$clients/bin"
 pip_install --target "$clients/roslibpy-2.1.0" 'roslibpy==2.1.0'
 pip_install --target "$clients/roslibpy-1.8.1" --no-deps 'roslibpy==1.8.1'
 
-# What runs Roslyn, Microsoft's C# compiler, which comes from npm below: in a package of Microsoft's that needs it.
+# .NET, which runs Roslyn, Microsoft's C# compiler. It is part of a package of Microsoft. Roslyn comes from npm below.
 pip_install --target "$clients/dotnetcore2-3.1" --no-deps 'dotnetcore2==3.1.23'
 chmod +x "$clients/dotnetcore2-3.1/dotnetcore2/bin/dotnet"
 
-# roslib 2 needs Node 20; what Debian and Ubuntu ship may be older.
+# roslib 2 needs Node 20. The Node of Debian and Ubuntu may be older.
 if command -v npm >/dev/null && node -e 'process.exit(parseInt(process.versions.node) < 20 ? 1 : 0)'; then
     ln -s "$(command -v node)" "$clients/bin/node"
     npm=npm

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs what compiles and runs the Unity client without Unity, some 30 MB, where it can.
+# Installs what compiles and runs the Unity client without Unity, about 30 MB, where it can.
 set -eu
 
 set --

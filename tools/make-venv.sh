@@ -5,7 +5,7 @@
 set -eu
 directory=$1
 
-# The rclpy wheels exist for CPython up to 3.14; the code needs 3.11.
+# The rclpy wheels exist for CPython up to 3.14. The code needs 3.11.
 fits() {
     "$1" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))' 2>/dev/null
 }

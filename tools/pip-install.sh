@@ -7,7 +7,7 @@ shift
 log=$(mktemp)
 trap 'rm -f "$log" "$log".*' EXIT
 
-# pip's own 5 take half a minute where there is no network; these are pip's, and those of the pip that builds
+# pip's own 5 take half a minute where there is no network. These are pip's, and those of the pip that builds
 export PIP_RETRIES="${PIP_RETRIES:-1}"
 
 # a pipe has the exit code of its last command

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keep a ``.meta`` beside every asset of the Unity package: ``python -m tools.unity_metas``.
+"""Keep a ``.meta`` next to every asset of the Unity package: ``python -m tools.unity_metas``.
 
 Without it Unity ignores a file of a package installed by git, for packages are read-only. An
-asset's GUID is the md5 of its path; once written it never changes, since scenes refer to it.
+asset's GUID is the md5 of its path. Once written it never changes, since scenes refer to it.
 """
 
 import argparse
@@ -17,7 +17,7 @@ PACKAGE: Final = Path(__file__).resolve().parents[1] / "unity_client"
 
 _NAMESPACE: Final = "com.ros2-json-gateway.client/"
 # Unity imports nothing below a folder that ends so, but it copies samples into a project, which
-# then has their GUIDs: the one such folder with metas (in it, none beside it).
+# then has their GUIDs: the one such folder with metas (in it, none next to it).
 _SAMPLES: Final = "Samples~"
 _GUID: Final = re.compile(r"^guid: ([0-9a-f]{32})$", re.MULTILINE)
 
@@ -111,7 +111,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def update(package: Path) -> Iterator[str]:
-    """Write missing metas and remove orphans; yield each change."""
+    """Write missing metas and remove orphans. Yield each change."""
     expected = {meta_of(asset): asset for asset in assets(package)}
     for meta, asset in expected.items():
         if not meta.exists():

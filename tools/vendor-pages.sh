@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Write the libraries of the pages anew, minified, from npm; for who raises a version.
+# Write the libraries of the pages again, minified, from npm. Run it to raise a version.
 # They are committed: a robot's network reaches no registry, and installing needs no node.
 set -eu
 uplot=1.6.32

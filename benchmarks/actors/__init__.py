@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The programs that scenarios start, each in a process of its own."""
+"""The programs that scenarios start, each in a separate process."""

@@ -15,7 +15,7 @@ class Audience:
         self._clients: list[asyncio.Transport] = []
 
     async def listen(self) -> str:
-        """Start to accept clients; return the URL."""
+        """Start to accept clients. Return the URL."""
         loop = asyncio.get_running_loop()
         server = await loop.create_server(lambda: _Client(self._clients), "127.0.0.1", 0)
         return f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}"

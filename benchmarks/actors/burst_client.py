@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A WebSocket client that records bursts of a sample: ``URL SAMPLE`` as arguments.
 
-Its subscription has the default options; ``meta`` alone is set, as it reports what was lost.
-Orders: ``count``, ``clear``, and ``burst``, which answers with the messages since; see
+Its subscription has the default options. ``meta`` alone is set, as it reports what was lost.
+Orders: ``count``, ``clear``, and ``burst``, which answers with the messages since. See
 `Burst.summary`.
 """
 
@@ -43,7 +43,7 @@ class Burst:
         return len(self._ages)
 
     def clear(self) -> bool:
-        """Forget the messages so far; call it while none arrive."""
+        """Forget the messages so far. Call it while none arrive."""
         self._dropped_before = self._dropped or 0
         return self._ages.clear()
 

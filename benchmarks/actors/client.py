@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A WebSocket client in a process of its own that records the age of each message.
+"""A WebSocket client in a separate process that records the age of each message.
 
 ``URL SAMPLE ...`` as arguments. Orders: ``count`` (of all), ``report`` (by sample), ``clear``.
 """

@@ -19,7 +19,7 @@ _HEAD_END: Final = b"\r\n\r\n"
 
 
 class RawConnection:
-    """Connected on return; operations go out, payloads come in."""
+    """Connected on return. Operations go out, payloads come in."""
 
     def __init__(
         self,
@@ -29,7 +29,7 @@ class RawConnection:
         handshake_s: float = _HANDSHAKE_S,
         receive_buffer_bytes: int | None = None,
     ) -> None:
-        """*room* is what is read at once; the kernel doubles the bytes of its buffer."""
+        """*room* is what is read at once. The kernel doubles the bytes of its buffer."""
         uri = parse_uri(url)
         self._writing = threading.Lock()
         self._walker = FrameWalker(room)
@@ -68,7 +68,7 @@ class RawConnection:
         self._write(client_frame(TEXT, text))
 
     def receive(self) -> Iterator[memoryview]:
-        """Wait for bytes once, and yield every payload that they complete; valid until the next.
+        """Wait for bytes once, and yield each complete payload, which is valid until the next.
 
         Raises:
             ConnectionError: the server has closed, or `stop` was called.

@@ -2,7 +2,7 @@
 """A client that drives, and another connection of it that stops: ``URL`` as argument.
 
 Orders: ``drive SECONDS`` sends commands, each of another speed, and answers with these and the
-reasons of refusals; ``stop NUMBER`` answers with the milliseconds that each stop has taken.
+reasons of refusals. ``stop NUMBER`` answers with the milliseconds that each stop has taken.
 """
 
 import contextlib

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A process with rclpy subscribers, each created by an order and closed by its first message.
 
-``SAMPLE`` as argument. Order: ``subscribe``; answers with ``waiting`` once the subscription
+``SAMPLE`` as argument. Order: ``subscribe``. Answers with ``waiting`` once the subscription
 exists, then with the times of the order and of the message, in nanoseconds.
 """
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """WebSocket frames, parsed as cheaply as Python can: for benchmarks only.
 
-A library takes some 30 us for a message, more than the measured cost. This walks the frames of a
-correct server in place; it omits the library's checks and joins no fragments: each is a payload of
-its own.
+A library takes about 30 us for a message, more than the measured cost. This walks the frames of a
+correct server in place. It omits the library's checks and joins no fragments: each is a separate
+payload.
 """
 
 import struct
@@ -21,11 +21,11 @@ _MASKED: Final = 0x80
 _OPCODE: Final = 0x0F
 _TWO_BYTES: Final = 126  # RFC 6455, section 5.2: the length is in the next two bytes
 _EIGHT_BYTES: Final = 127
-_NO_MASK: Final = bytes(4)  # a client must mask; this key leaves every byte as it is
+_NO_MASK: Final = bytes(4)  # a client must mask. This key leaves every byte as it is
 
 
 class Frame(NamedTuple):
-    """One frame; its payload is valid until the next bytes are received."""
+    """One frame. Its payload is valid until the next bytes are received."""
 
     opcode: int
     payload: memoryview

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A process that publishes a giant on a latched topic: ``GIANT`` as argument.
 
-It publishes once at the start; ``publish`` has it do so again.
+It publishes once at the start. ``publish`` has it do so again.
 """
 
 import os

@@ -15,7 +15,7 @@ from benchmarks.actors.orders import obey, reply
 from benchmarks.giants import GIANTS, topic
 
 _ROOM = 128 << 20  # of one frame, with a buffer that need not grow
-_LEAST = 1 << 20  # bytes; anything shorter is a status
+_LEAST = 1 << 20  # bytes. Anything shorter is a status
 
 
 def main(url: str, name: str) -> None:

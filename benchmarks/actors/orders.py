@@ -21,9 +21,9 @@ def reply(value: object) -> None:
 
 
 def obey(orders: Mapping[str, Callable[..., object]], on_end: Callable[[], object]) -> None:
-    """Carry out each line ``WORD ARGUMENT ...`` in a thread of its own; call it in the main thread.
+    """Carry out each line ``WORD ARGUMENT ...`` in a separate thread. Call it in the main thread.
 
-    The answer is what the order returns; after ``None``, the order answers later. *on_end* must
+    The answer is what the order returns. After ``None``, the order answers later. *on_end* must
     make the main thread end, wherever it waits.
     """
     woken, wake = os.pipe()

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
 # Samples that may be sent at once. Receivers take samples that come together for less, so up to
-# 10 kHz none do; beyond, sleeps are not exact enough.
+# 10 kHz none do. Beyond, sleeps are not exact enough.
 _BURST_S: Final = 0.0002
 _UNIT_NS: Final = 1000  # a Twist carries microseconds
 

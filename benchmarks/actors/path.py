@@ -69,7 +69,7 @@ async def main(name: str, count: int) -> None:
 def _receive(
     node: Node, loop: asyncio.AbstractEventLoop, name: str, count: int, works: Sequence[Work]
 ) -> Callable[[], object]:
-    """Take *count* steps with every sample; return the function that ends it."""
+    """Take *count* steps with every sample. Return the function that ends it."""
     message_class = type(SAMPLES[name].make())
 
     def create() -> Any:

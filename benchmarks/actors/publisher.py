@@ -2,7 +2,7 @@
 """A process that publishes stamped samples as ordered, in turn to each of its topics.
 
 ``SAMPLE TOPICS PART/PARTS WHEN`` as arguments. PARTS processes may share a topic, as one call takes
-some 20 us in Python. WHEN is ``now``, or ``late`` for publishers created with the first sample. In
+about 20 us in Python. WHEN is ``now``, or ``late`` for publishers created with the first sample. In
 addition to the orders of `runs`, ``matched`` answers with the number of subscriptions of the topic
 that has fewest.
 """

@@ -26,15 +26,15 @@ class Ages:
         self._stamps_ns.append(stamp_ns)
 
     def clear(self) -> bool:
-        """Forget the messages so far; call it while none arrive."""
+        """Forget the messages so far. Call it while none arrive."""
         self._ages_ns, self._stamps_ns = array("q"), array("q")
         return True
 
     def summary(self) -> dict[str, Any]:
         """Return counts, percentiles of the ages in ms, and the arrival of the first message.
 
-        ``distinct`` counts every stamp once; ``tail_ms`` is the median age of the last tenth,
-        ``took_ms`` the time from the oldest stamp to the last arrival; start-up is in the counts
+        ``distinct`` counts every stamp once. ``tail_ms`` is the median age of the last tenth,
+        ``took_ms`` the time from the oldest stamp to the last arrival. Start-up is in the counts
         and in ``took_ms`` alone.
         """
         stamps_ns = self._stamps_ns[:]

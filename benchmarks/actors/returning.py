@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A client that connects until it succeeds, and then waits for a first sample: ``URL SAMPLE``.
 
-``begin`` as an order; the answer has the times at which it was connected and had the sample, and
+``begin`` as an order. The answer has the times at which it was connected and had the sample, and
 the sample's age.
 """
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A process with WebSocket clients of all topics of the robot.
 
-``URL OPTIONS CLIENTS`` as arguments; OPTIONS are some of `PICTURE_OPTIONS`. Orders: ``complete``
+``URL OPTIONS CLIENTS`` as arguments. OPTIONS are some of `PICTURE_OPTIONS`. Orders: ``complete``
 answers with the number of clients that have got each topic, ``count`` with the messages by topic,
 ``report`` with the ages by topic, ``clear`` forgets both.
 """
@@ -63,7 +63,7 @@ class RobotMessages:
         return {name: one.summary() for name, one in self._ages.items()}
 
     def clear(self) -> bool:
-        """Forget the messages so far; call it while none arrive."""
+        """Forget the messages so far. Call it while none arrive."""
         self._counts.clear()
         return all(one.clear() for one in self._ages.values())
 

@@ -2,7 +2,7 @@
 """The orders of a program that sends.
 
 ``run RATE COUNT`` sends COUNT samples at that rate, and answers with the number and the time that
-it took; ``go RATE`` sends until the end or until ``stop``, and answers with the time of the first.
+it took. ``go RATE`` sends until the end or until ``stop``, and answers with the time of the first.
 ``stop`` answers as ``run`` does. ``count`` answers with the number of samples so far.
 """
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Servers beside a bare rclpy subscriber: all receive from the same publisher, in turns.
+"""Servers next to a bare rclpy subscriber: all receive from the same publisher, in turns.
 
-A large message has no ratio. By default glibc maps its memory anew each time, or keeps it, by what
+A large message has no ratio. By default glibc maps its memory again each time, or keeps it, by what
 the process did before: that doubles the floor's time, and would halve a ratio to it.
 """
 
@@ -52,8 +52,8 @@ def _receipt(receiver: Receiver, name: str, seconds: float) -> Receipt:
 
 
 def _cpu_ratio(rounds: Sequence[Sequence[Receipt]], column: int) -> float:
-    """Return the CPU time of a receiver beside that of the floor, the first column."""
-    # each beside the floor that was measured just before: a machine's speed drifts
+    """Return the CPU time of a receiver next to that of the floor, the first column."""
+    # each next to the floor that was measured just before: a machine's speed drifts
     return statistics.median(
         one[column].cpu_us_per_message / one[0].cpu_us_per_message for one in rounds
     )
@@ -65,7 +65,7 @@ def _median(receipts: Sequence[Receipt]) -> Receipt:
 
 
 def _print_row(name: str, receipt: Receipt, cpu_ratio: float | None, held: Highest | None) -> None:
-    """Print a row; without a ratio, of a large message, the CPU time is in ms."""
+    """Print a row. Without a ratio, of a large message, the CPU time is in ms."""
     cpu_us = receipt.cpu_us_per_message
     cpu = f"{cpu_us / 1e3:9.2f}{'':7}" if cpu_ratio is None else f"{cpu_us:9.0f}{cpu_ratio:7.2f}"
     print(

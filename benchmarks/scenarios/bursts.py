@@ -26,7 +26,7 @@ class Burst:
 
     arrived: int
     reported: int | None
-    """As lost; ``None`` of a server that reports nothing."""
+    """The number reported as lost, ``None`` for a server that reports nothing."""
     took_ms: float
     """From the first sending to the last arrival."""
     sending_ms: float

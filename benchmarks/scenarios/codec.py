@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cost of rendering: from the CDR of one message to its JSON and CBOR; of deflating these."""
+"""The cost of rendering: from the CDR of a message to its JSON and CBOR, and to these deflated."""
 
 import statistics
 import time

@@ -33,7 +33,7 @@ _Serving = Callable[[], AbstractContextManager[tuple[str, Process]]]
 def measure(plan: Plan) -> list[Figure]:
     """Print a table and return the figures.
 
-    The first and the last number of clients give the slope and are measured in every round; those
+    The first and the last number of clients give the slope and are measured in every round. Those
     between show that the cost is linear and are measured once.
     """
     serving: dict[str, _Serving] = {"floor": _floor}

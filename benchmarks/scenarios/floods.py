@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The fate of a driver and of a stop beside eight clients that flood within all limits."""
+"""The fate of a driver and of a stop next to eight clients that flood within all limits."""
 
 import contextlib
 import itertools

@@ -2,7 +2,7 @@
 """Odometry for one client, while others get messages of 16 MB: its age, and what it loses.
 
 Each giant is latched. One client gets it from the beginning, and once more when it is published
-again; the others come late, one after the other.
+again. The others come late, one after the other.
 """
 
 import statistics

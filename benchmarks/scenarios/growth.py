@@ -78,7 +78,7 @@ def _by_bystanders(server: MeasuredServer, plan: Plan) -> list[Figure]:
 
 
 def _by_uptime(server: MeasuredServer, plan: Plan) -> list[Figure]:
-    """Measure a server that has been busy for a while beside one that has just been started.
+    """Measure a server that has been busy for a while next to one that has just been started.
 
     Both run at once, as minutes later the machine's speed may differ. A server with a fixed port
     cannot run twice.

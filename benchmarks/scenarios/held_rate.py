@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The highest rate that is held: everything arrives, and nothing is late at the end.
 
-A run sends an exact number of samples, each with a stamp of its own, and counts the stamps.
+A run sends an exact number of samples, each with a separate stamp, and counts the stamps.
 """
 
 import contextlib
@@ -22,7 +22,7 @@ _GRACE_S: Final = 1.0  # for the last samples
 _BACKLOG_MS: Final = 50.0
 _BACKLOG_LARGE_MS: Final = 200.0
 _LARGE_BYTES: Final = 500_000
-_SENDERS: Final = 2  # a call takes Python some 20 us
+_SENDERS: Final = 2  # a call takes Python about 20 us
 _CALM_S: Final = 0.4
 _RUN_S: Final = 3.0
 _MARGIN_S: Final = 30.0

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The longest that one legal frame holds the event loop, for the worst frames there are.
 
-The router and ROS are real, in this process; the time is that of the thread, so other processes do
+The router and ROS are real, in this process. The time is that of the thread, so other processes do
 not matter. The first round of a frame also makes what its type needs: codecs and a publisher.
 """
 

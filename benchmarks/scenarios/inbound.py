@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Twists into ROS: a client publishes, a bare rclpy process receives them.
 
-The floor is a bare rclpy subscriber that receives Twists at the same rate from ROS: the least that
-a Python process spends to move such a message between DDS and Python.
+The floor is a bare rclpy subscriber that receives Twists at the same rate from ROS. This is
+the least that a Python process spends to move such a message between DDS and Python.
 """
 
 import contextlib

@@ -21,7 +21,7 @@ _SENT_HZ: Final = {"odometry": 50.0, "image": 15.0}
 _COMMANDS_HZ: Final = 20.0
 _LINKS_BITS_PER_S: Final = (400_000, 2_000_000, 5_000_000, 20_000_000)
 _LOSS_PERCENT: Final = 2
-_WARM_UP_S: Final = 8.0  # the rate of the link, and pictures that fit it, are found meanwhile
+_WARM_UP_S: Final = 8.0  # the rate of the link, and pictures that fit it, are found in the meantime
 _SECONDS: Final = 20.0
 _OUTAGE_BITS_PER_S: Final = 5_000_000
 _OUTAGE_S: Final = 20.0
@@ -117,7 +117,7 @@ def _round(client: Process, listener: Process) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def _serving(server: MeasuredServer, networks: TwoNetworks) -> Iterator[str]:
-    """Publish in the near network, and serve it; yield the URL."""
+    """Publish in the near network, and serve it. Yield the URL."""
     with contextlib.ExitStack() as stack:
         for name, rate_hz in _SENT_HZ.items():
             stack.enter_context(publishing(name, rate_hz, before=networks.near))
@@ -128,7 +128,7 @@ def _serving(server: MeasuredServer, networks: TwoNetworks) -> Iterator[str]:
 
 @contextlib.contextmanager
 def _receiving(server: MeasuredServer, networks: TwoNetworks) -> Iterator[tuple[Process, Process]]:
-    """Have everything run; yield the client, and who hears its commands."""
+    """Run everything. Yield the client, and who hears its commands."""
     with (
         _serving(server, networks) as url,
         acting("floor", "twist", "raw", before=networks.near) as listener,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One client that reads nothing, or slowly, beside some that read: their frames, and the memory."""
+"""One client that reads nothing or slowly, next to some that read: their frames and the memory."""
 
 import contextlib
 import statistics

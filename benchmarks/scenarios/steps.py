@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The cost of each step: the gateway's path from DDS to a socket, one step longer at a time.
 
-The cost of a step is the difference to the path without it, of medians over the rounds: steps of a
+The cost of a step is the difference to the path without it, of medians over the rounds. Steps of a
 microsecond or two drown in the noise of waking up a thousand times a second.
 """
 
@@ -50,7 +50,7 @@ def _measure(name: str, plan: Plan) -> list[Figure]:
 
 
 def _path_us(name: str, count: int, rate_hz: float, seconds: float) -> float:
-    """Return the CPU time of *count* steps for a message; a client reads the output, if any."""
+    """Return the CPU time of *count* steps for a message. A client reads the output, if any."""
     with acting("path", name, count) as path, acting("client", path.answer(), name) as client:
         client.answer()
         time.sleep(_WARM_UP_S)

@@ -2,8 +2,8 @@
 """The longest turn of the event loop while one large frame comes in, by a socket, and is served.
 
 For so long every other client waits. It is wall time, which takes a quiet machine, and CPU time of
-the loop's thread beside it. The first round of a frame also makes what its type needs: codecs and a
-publisher.
+the loop's thread next to it. The first round of a frame also makes the
+codecs and the publisher of its type.
 """
 
 import asyncio
@@ -55,7 +55,7 @@ class _Turns(selectors.DefaultSelector):
     _since_cpu_s = 0.0
 
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
-        """Wait; between two calls is one turn."""
+        """Wait. Between two calls is one turn."""
         if self._since_s is not None:
             self.longest_s = max(self.longest_s, time.perf_counter() - self._since_s)
             self.busiest_s = max(self.busiest_s, time.thread_time() - self._since_cpu_s)

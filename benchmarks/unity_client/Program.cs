@@ -12,9 +12,10 @@ using Ros2Gateway.Pictures;
 namespace Ros2Gateway.Benchmarks
 {
     /// <summary>
-    /// <c>read TYPE FILE json|cbor</c> times reading a message, in new objects and in one that is filled anew.
-    /// <c>receive TYPE URL SECONDS new|reuse NURSERY</c> subscribes as a scene does, pumped 60 times a second, decodes
-    /// pictures, and tells what came, what it took, and what was allocated. <c>decode FILE</c> times the decoder
+    /// <c>read TYPE FILE json|cbor</c> times reading a message, in new objects and in one that is filled again.
+    ///
+    /// <c>receive TYPE URL SECONDS new|reuse NURSERY</c> subscribes as a scene does, pumped 60 times a second.
+    /// It decodes images, and reports messages, time, and allocations. <c>decode FILE</c> times the decoder
     /// of JPEG. All print JSON.
     /// </summary>
     internal static class Program
@@ -138,7 +139,7 @@ namespace Ros2Gateway.Benchmarks
             }
         }
 
-        // One frame of a scene, without what Unity does itself; returns how long it was busy, in ms.
+        // One frame of a scene, without what Unity does itself. Returns how long it was busy, in ms.
         private static double Frame(GatewayClient client, BackgroundDecoder decoder)
         {
             Stopwatch watch = Stopwatch.StartNew();
@@ -174,7 +175,7 @@ namespace Ros2Gateway.Benchmarks
             return best;
         }
 
-        // What others do on the machine counts little in it.
+        // Other programs on the machine affect it little.
         private static double CpuSeconds()
         {
             return Process.GetCurrentProcess().TotalProcessorTime.TotalSeconds;

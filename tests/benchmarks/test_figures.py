@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Only ratios are compared, and one is worse only where a second run says so, too."""
+"""Only ratios are compared, and one is worse only if a second run confirms it."""
 
 import pytest
 
@@ -20,7 +20,7 @@ def judge(stored, now, again=None):
 
 
 @pytest.mark.parametrize("now", [0.86, 1.0, 1.14])
-def test_what_differs_by_noise_is_the_same(now):
+def test_a_difference_within_the_noise_is_the_same(now):
     assert judge(1.0, now) == ("same", [])
 
 
@@ -28,11 +28,11 @@ def test_less_is_better():
     assert judge(1.0, 0.8) == ("better", [])
 
 
-def test_what_is_worse_twice_is_worse():
+def test_a_ratio_that_is_worse_twice_is_worse():
     assert judge(1.0, 1.3, again=1.2) == ("WORSE", ["x"])
 
 
-def test_what_is_worse_once_is_not():
+def test_a_ratio_that_is_worse_once_is_not_worse():
     assert judge(1.0, 1.2, again=1.0) == ("same", ["x"])
 
 
@@ -62,11 +62,11 @@ def test_only_ratios_are_compared(stored_is_ratio, now_is_ratio):
     assert compare(stored, now, lambda _: []) == []
 
 
-def test_what_was_not_stored_is_not_judged():
+def test_a_ratio_without_a_stored_one_is_not_judged():
     assert compare([ratio("x", "other", 1.0)], [ratio("x", "cpu", 9.0)], lambda _: []) == []
 
 
-def test_what_is_written_is_read_again(tmp_path):
+def test_written_figures_are_read_again(tmp_path):
     written = [ratio("x", "cpu", 0.5), Figure("x", "p50", 0.25, "ms")]
     figures.write(tmp_path / "some.json", written)
     assert figures.read(str(tmp_path / "some.json")) == written

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line refuses what makes no sense by exit code 2; a failed comparison ends by 1."""
+"""The command line refuses what makes no sense by exit code 2. A failed comparison ends by 1."""
 
 import os
 import signal
@@ -15,7 +15,7 @@ from benchmarks.errors import BenchmarkError
 
 @pytest.fixture(autouse=True)
 def nothing_is_measured(monkeypatch, tmp_path):
-    """Scenarios return one ratio; what the command line changes in this process is undone."""
+    """Make scenarios return one ratio, and undo changes of the command line to this process."""
     monkeypatch.setattr(figures, "REFERENCES", tmp_path)
     for name in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
         monkeypatch.setenv(name, os.environ.get(name, ""))
@@ -42,7 +42,7 @@ def nothing_is_measured(monkeypatch, tmp_path):
         (["--json", "/nowhere/at/all.json"], "no directory /nowhere/at"),
     ],
 )
-def test_what_makes_no_sense_is_refused(arguments, reason, capsys):
+def test_senseless_options_are_refused(arguments, reason, capsys):
     with pytest.raises(SystemExit) as ended:
         command.main(arguments)
     assert ended.value.code == 2
@@ -105,7 +105,7 @@ def test_a_measurement_that_fails_is_said_in_one_line_and_costs_no_other(
     assert [one.scenario for one in figures.read(str(file))] == ["idle"]
 
 
-def test_what_stands_at_ctrl_c_is_written(monkeypatch, tmp_path):
+def test_the_figures_so_far_are_written_at_ctrl_c(monkeypatch, tmp_path):
     def interrupt(_):
         raise KeyboardInterrupt
 

@@ -7,7 +7,7 @@ from benchmarks.search import Outcome, highest_rate
 
 
 class Machine:
-    """Holds up to one rate; its sender reaches another."""
+    """Holds up to one rate. Its sender reaches another."""
 
     def __init__(self, holds_hz, sends_hz=1e9):
         self.holds_hz = holds_hz

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fuzz some targets, and print each fault as a test; `make fuzz`."""
+"""Fuzz some targets, and print each fault as a test, for `make fuzz`."""
 
 import argparse
 import os
@@ -26,7 +26,7 @@ _EXECUTED = re.compile(r"stat::number_of_executed_units:\s*(\d+)")
 
 @dataclass
 class Outcome:
-    """What came of one target."""
+    """The outcome of one target."""
 
     name: str
     executed: int = 0
@@ -54,7 +54,7 @@ def main() -> int:
 
 
 def converse(seconds: int) -> int:
-    """Let clients say anything to a gateway in a process; return pytest's exit code."""
+    """Let clients say anything to a gateway in a process. Return pytest's exit code."""
     print(f"{CONVERSATIONS}: {seconds} s ...", flush=True)
     test = "tests/fuzz/test_conversations.py::test_nothing_that_clients_say_holds_the_event_loop"
     limit = f"faulthandler_timeout={seconds + 660}"
@@ -66,7 +66,7 @@ def converse(seconds: int) -> int:
 
 
 def fuzz(name: str, seconds: int) -> Outcome:
-    """Fuzz one target in a process of its own, and look at what it has kept."""
+    """Fuzz one target in a separate process, and look at what it has kept."""
     folder = CACHE / name
     for kept in ("faults", "slow", "seeds"):
         shutil.rmtree(folder / kept, ignore_errors=True)

@@ -12,7 +12,7 @@ LARGE_EDGES = (2**53, 2**63 - 1, 2**63, -(2**63), -(2**63) - 1, 2**64 - 1, 2**64
 
 
 class Choices:
-    """Takes bytes from the front; where none are left, each decision is the first and least."""
+    """Takes bytes from the front. If none are left, each decision is the first and least."""
 
     def __init__(self, data: bytes) -> None:
         self._data = data

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What several clients say to a gateway, in any order, and what has to come of it.
+"""Operations of several clients in any order, and the answers that the gateway must give.
 
 The model knows what each client has open, so it knows which operations are refused and by which
-codes. It does not know the ROS graph, which follows later: where that decides, several outcomes
-are right. That every operation is answered once, and that nothing stays behind, holds always.
+codes. It does not know the ROS graph, which follows later. If the graph decides, several outcomes
+are right. Every operation is answered once, and nothing stays behind.
 """
 
 import json
@@ -56,7 +56,7 @@ class Client:
 
 
 class Conversations(RuleBasedStateMachine):
-    """The rules; a subclass has the stage."""
+    """The rules. A subclass has the stage."""
 
     stage: ClassVar[Stage]
     exchanges: ClassVar[int] = 0  # in all of this process
@@ -95,7 +95,7 @@ class Conversations(RuleBasedStateMachine):
 
     @rule(who=words.numbers, broken=words.pick(words.BROKEN_WIRE))
     def break_the_wire(self, who: int, broken: tuple[bytes, frozenset[int]]) -> None:
-        """Send what is no WebSocket; the connection ends as documented."""
+        """Send bytes that are not WebSocket. The connection ends as documented."""
         client = self.of(who)
         data, codes = broken
         speaker = client.speaker
@@ -352,7 +352,7 @@ class Conversations(RuleBasedStateMachine):
     def send_garbage(self, who: int, garbage: str | bytes) -> None:
         client = self.of(who)
         news = self.exchange(client, garbage)
-        late = {request_id for _, request_id in client.later}  # may be refused meanwhile
+        late = {request_id for _, request_id in client.later}  # may be refused in the meantime
         errors = (frame for frame in news if frame.get("level") == "error")
         codes = {frame.get("code") for frame in errors if frame.get("id") not in late}
         check(codes, "garbage was not answered", garbage[:100])
@@ -367,7 +367,7 @@ class Conversations(RuleBasedStateMachine):
     def send_in_pieces(
         self, who: int, order: list[int], left_out: int | None, is_binary: bool
     ) -> None:
-        """Send a message in pieces; without one of them nothing happens until it is too late."""
+        """Send a message in pieces. Without one of them nothing happens until it is too late."""
         client, request_id = self.of(who), self.new_id()
         text = json.dumps({"op": "ping", "id": request_id, "value": "grüße"})
         size = -(-len(text) // 4)
@@ -411,7 +411,7 @@ class Conversations(RuleBasedStateMachine):
         self.say_wildly({**operation, "id": request_id})
 
     def say_wildly(self, said: dict[str, Any] | str | bytes) -> None:
-        """Send what may open anything, or nothing; it is answered by codes that are documented."""
+        """Send what may open anything, or nothing. It is answered by codes that are documented."""
         if self.wild is None:
             self.wild = Client(self.stage.open())
         self.exchange(self.wild, said)
@@ -459,7 +459,7 @@ class Conversations(RuleBasedStateMachine):
         codes: set[str] | frozenset[str] = frozenset(),
         must: bool = False,
     ) -> bool:
-        """Send an operation that is not answered unless it is refused; return whether it is."""
+        """Send an operation that is not answered unless it is refused. Return whether it is."""
         news = self.exchange(client, {**operation, "id": request_id})
         errors = [
             frame
@@ -499,7 +499,7 @@ class Conversations(RuleBasedStateMachine):
         self.stage.check_log()
 
     def end(self) -> None:
-        """Let the providers withdraw; then all that was asked has to be answered, once."""
+        """Let the providers withdraw. Then all that was asked has to be answered, once."""
         for client in self.clients:
             for service in sorted(client.services):
                 self.say(client, {"op": "unadvertise_service", "service": service}, self.new_id())
@@ -517,7 +517,7 @@ class Conversations(RuleBasedStateMachine):
 
 
 def is_refusal(frame: Frame, op: str) -> bool:
-    """Return whether a frame refuses an operation; who ends what is not there gets a warning."""
+    """Return whether a frame refuses an operation, or warns that there is nothing to end."""
     is_absent = frame.get("code") == "not_found" and op != "subscribe"
     is_status = (frame["op"], frame.get("request")) == ("status", op)
     return is_status and (frame.get("level") == "error" or is_absent)

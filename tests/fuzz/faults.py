@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a target has raised: which fault it is, its shortest bytes, and a test of it."""
+"""The exception of a target: its fault, its shortest bytes, and a test of it."""
 
 import hashlib
 import time
@@ -36,7 +36,7 @@ def fault_of(run: Callable[[bytes], None], data: bytes) -> str | None:
 
 
 def shortest(run: Callable[[bytes], None], data: bytes) -> bytes:
-    """Leave out what the fault does not need; a fault that does not come again stays whole."""
+    """Leave out what the fault does not need. A fault that does not come again stays whole."""
     wanted = fault_of(run, data)
     end_s = time.monotonic() + SHORTEN_S
     size = len(data) // 2

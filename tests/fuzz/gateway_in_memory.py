@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A router over a ROS in memory, which other nodes use, too; nothing in it waits for a clock."""
+"""A router over a ROS in memory, which other nodes also use. Nothing in it waits for a clock."""
 
 import asyncio
 import contextlib
@@ -109,8 +109,8 @@ async def _run(work: Callable[[World], Awaitable[None]], log: Log) -> None:
     check(not others, "tasks left", others)
 
 
-# What the gateway keeps open for a while after its last use; the publishers are those that tell a
-# robot to stop, five times within 250 ms.
+# The gateway keeps these open for a while after their last use. The publishers are those that
+# stop a robot, with five commands within 250 ms.
 KEPT = frozenset({"ros_entities", "service_clients", "action_clients", "publishers"})
 
 

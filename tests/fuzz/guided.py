@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One target under atheris, in a process of its own; started by `python -m tests.fuzz`.
+"""One target under atheris, in a separate process, started by `python -m tests.fuzz`.
 
 It goes on after a fault, and keeps the first bytes of each kind, and the slowest.
 """
@@ -16,13 +16,13 @@ import atheris
 from tests.fuzz.faults import signature
 from tests.fuzz.stopwatch import STOPWATCH
 
-MAX_COMPILED = 600  # generated functions that are instrumented; each takes counters for good
+MAX_COMPILED = 600  # generated functions that are instrumented. Each takes counters for good
 LONGEST_CODE_BYTES = 4000  # atheris takes the square of it: a minute for the longest decoders
 SLOWEST = 8
 
 
 def instrument_generated_code() -> None:
-    """Have the compiled codecs instrumented, too."""
+    """Instrument the compiled codecs."""
     source = importlib.import_module("gateway.codec.cdr.source").SourceCode
     plain = source.compile
     count = 0

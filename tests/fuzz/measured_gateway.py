@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The gateway on a loop that reports what holds it for too long; its tests send SIGRTMIN to begin.
+"""The gateway on a loop that reports what holds it for too long. Its tests send SIGRTMIN to begin.
 
 The time is that of the loop's thread on a CPU, so other programs do not matter, and a callback that
-waits for the GIL is not blamed. A record of the log is a fault for the conversations, and says how
-much of the time went into collecting garbage, and into how many pages that the kernel had to find.
+waits for the GIL is not blamed. A record of the log is a fault for the conversations. It
+has the time of garbage collection, and the number of page faults.
 """
 
 import asyncio
@@ -18,8 +18,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
 
-# An operation may take 20 ms. A callback may also take the slice of operations before it. Where
-# others share the caches and the cores' threads, CPU time grows by half: then a higher bar is due.
+# An operation may take 20 ms. A callback may also take the slice of operations before it. If
+# others share the caches and the cores' threads, CPU time grows by half. Then raise the bar.
 BAR_S: Final = float(os.environ.get("FUZZ_BAR_MS", "24")) / 1e3
 
 logger = logging.getLogger("gateway.measured")
@@ -75,7 +75,7 @@ def _page_faults() -> int:
 
 
 def _count_collection(phase: str, _: object) -> None:
-    """Add up what collections take, whichever thread does them: it holds the GIL meanwhile."""
+    """Add up the time of collections in any thread, because each holds the GIL."""
     now_s = time.thread_time()
     MeasuredLoop.collecting_s += -now_s if phase == "start" else now_s
 

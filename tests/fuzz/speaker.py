@@ -15,7 +15,7 @@ from tests.fuzz.target import check
 
 
 class Speaker:
-    """Sends operations in JSON, or anything else; used on the loop that opened it."""
+    """Sends operations in JSON, or anything else. Used on the loop that opened it."""
 
     def __init__(self, socket: ClientConnection) -> None:
         self.socket = socket

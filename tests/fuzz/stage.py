@@ -35,11 +35,11 @@ PICTURES = (
     {"encoding": "none"},
 )
 SETBOOL, FIBONACCI = "std_srvs/srv/SetBool", "test_msgs/action/Fibonacci"
-# what is closed as soon as the client has left
+# closed as soon as the client has left
 CLOSED_AT_ONCE = ("clients", "subscriptions", "services", "action_servers", "calls", "goals")
 _FAULT = re.compile(r"Traceback|\bERROR\b|internal error|never retrieved")
 _HOLD = "held the loop for"
-# nothing here is about the budgets; the others are small enough to be met
+# nothing here is about the budgets. The others are small enough to be met
 SETTINGS = {
     "limits.client_time_share": 1,
     "limits.address_time_share": 1,
@@ -80,7 +80,7 @@ class Loop:
 
 
 class Stage:
-    """What the conversations take place on."""
+    """A gateway and a robot for the conversations."""
 
     def __init__(self, loop: Loop, gateway: GatewayProcess, outside: Outside) -> None:
         self.run = loop.run
@@ -98,7 +98,7 @@ class Stage:
         return self.run(Speaker.open(self.gateway.url))
 
     def publish(self, topic: str, number: int) -> None:
-        """Let the robot publish a sample; those of the camera may contradict themselves."""
+        """Let the robot publish a sample. Those of the camera may contradict themselves."""
         values: dict[str, Any] = {}
         if topic == "/camera":
             values = PICTURES[number % len(PICTURES)]
@@ -136,14 +136,14 @@ class Stage:
         """See that the gateway lives, and has logged no fault."""
         check(self.gateway.process.returncode is None, "the gateway has ended", self.gateway.log)
         news = self.gateway.log[self._checked :]
-        self._checked += len(news)  # what comes next is another example's fault
+        self._checked += len(news)  # later lines belong to another example
         faults = [line for line in news if _FAULT.search(line)]
         if faults and all(_HOLD in line for line in faults):
             raise HoldError("".join(faults))
         check(not faults, "".join(news[-200:]))
 
     def until_nobody_is_left(self) -> None:
-        """Wait until all that clients had open is closed, but for what is kept for a while."""
+        """Wait until all that clients had open is closed, except for what is kept for a while."""
 
         async def left() -> None:
             loop = asyncio.get_running_loop()
@@ -157,7 +157,7 @@ class Stage:
         self.run(left())
 
     def until_at_rest(self) -> None:
-        """Wait until nothing is open; from the second time on, until no more is there than then."""
+        """Wait until nothing is open. From the second time on, until no more is there than then."""
         try:
             self._rest = self.run(at_rest(self.gateway, self._rest))
         except TimeoutError:

@@ -21,7 +21,7 @@ class Stopwatch:
         self._longest_s = max(self._longest_s or 0.0, time.thread_time() - started_s)
 
     def longest_s(self, work: Callable[[], object]) -> float:
-        """Do *work*; return the time of its longest operation."""
+        """Do *work*. Return the time of its longest operation."""
         self._longest_s = None
         started_s = time.thread_time()
         work()

@@ -22,6 +22,6 @@ class FaultError(AssertionError):
 
 
 def check(holds: object, *what: object) -> None:
-    """Raise `FaultError` unless something holds; `assert` would go with ``-O``."""
+    """Raise `FaultError` unless something holds. `assert` would go with ``-O``."""
     if not holds:
         raise FaultError(*what)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Several clients say anything to a gateway with real ROS, over real sockets; see conversations.py.
+"""Several clients say anything to a gateway with real ROS, over real sockets. See conversations.py.
 
 `make fuzz WHAT=conversations` tries others each time, and for longer. It also measures what holds
-the event loop, which this does not: on a busy machine the caches are others' too, and CPU time is
-no property of the code alone.
+the event loop. This does not, because on a busy machine others use the caches, and CPU time depends
+on more than the code.
 """
 
 import os
@@ -32,9 +32,9 @@ def converse(stage: Stage, how: settings) -> None:
 
 
 def converse_again(stage: Stage) -> None:
-    """Converse; what holds the loop for too long fails if it does so once more when said again.
+    """Converse. An operation that holds the loop for too long fails if it does so again.
 
-    What does not is printed: others that share the machine's caches slow it down for a moment.
+    Otherwise it is printed: others that share the machine's caches slow it down for a moment.
     """
     try:
         converse(stage, LONG)
@@ -46,7 +46,7 @@ def converse_again(stage: Stage) -> None:
 
 
 @pytest.mark.long
-def test_whatever_clients_say_is_answered_and_leaves_nothing_behind():
+def test_every_operation_is_answered_and_leaves_nothing_behind():
     with open_stage() as stage:
         stage.start_threads()
         converse(stage, WARM_UP)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What clients say in the conversations: right, nearly right and hostile, each with a verdict."""
+"""The operations of the conversations: right, nearly right, and hostile, each with a verdict."""
 
 import random
 from dataclasses import dataclass
@@ -19,14 +19,14 @@ Verdict = Literal["good", "maybe", "bad"]
 
 @dataclass(frozen=True)
 class Said:
-    """A part of an operation; "bad" is refused, "maybe" is where the model does not decide."""
+    """A part of an operation. "bad" is refused, "maybe" is where the model does not decide."""
 
     members: dict[str, Any]
     verdict: Verdict = "good"
     codes: frozenset[str] = frozenset({"bad_request"})
 
     def is_part_of(self, operation: dict[str, Any]) -> bool:
-        """True unless a later one has replaced a member; compared by identity, as 1 equals True."""
+        """True unless a later one has replaced a member. Compares by identity: 1 equals True."""
         return all(operation[key] is value for key, value in self.members.items())
 
 
@@ -91,7 +91,7 @@ SUBSCRIBING = [
     Said({"meta": True}),
     bad({"meta": 1}),
 ]
-# of a String; the second ones do not fit
+# of a String. The second ones do not fit
 GOOD_MESSAGES: list[Any] = [
     {},
     *({"data": text} for text in ("", "grüße", "x" * 5000, "\U0001f916")),
@@ -132,7 +132,7 @@ RESULTS: list[dict[str, Any]] = [
     {"values": {"sequence": [2**40]}, "status": 4},
     {"status": "done"},
 ]
-# operations that need nothing, and have an answer of that name; the codes are those of a refusal
+# operations that need nothing, and have an answer of that name. The codes are those of a refusal
 ASKED: list[tuple[dict[str, Any], str, frozenset[str]]] = [
     *(
         ({"op": "ping", "value": value}, "pong", frozenset())
@@ -196,7 +196,7 @@ ASKED_OF_NODES: list[dict[str, Any]] = [
         for more in ({}, {"time": {"sec": 1}}, {"time": {"sec": -1}}, {"timeout": 1e9})
     ),
 ]
-# what clients ask tf2_web_republisher, in no order
+# requests to tf2_web_republisher, in no order
 TF_NODE = "/tf2_web_republisher"
 ASKED_FOR_ARRAYS: list[dict[str, Any]] = [
     *(

@@ -27,11 +27,13 @@ def minutes(text: str) -> float:
 
 
 def main(arguments: list[str]) -> int:
-    """Run it; return 1 if something failed."""
+    """Run it. Return 1 if something failed."""
     parser = argparse.ArgumentParser(prog="python -m tests.soak", description=__doc__)
     parser.add_argument("minutes", type=minutes, help="of the load")
     parser.add_argument("--lenient", action="store_true", help="for a machine that is busy")
-    parser.add_argument("--write", type=Path, metavar="PAGE", help="where the result goes, too")
+    parser.add_argument(
+        "--write", type=Path, metavar="PAGE", help="also write the result to this page"
+    )
     options = parser.parse_args(arguments)
     if not isolation.is_isolated():
         reason = isolation.reason_against()

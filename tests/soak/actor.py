@@ -67,7 +67,7 @@ class Actor:
 async def acting(
     program: str, *arguments: object, name: str = "", before: Sequence[str] = ()
 ) -> AsyncIterator[Actor]:
-    """Run a program of `tests.soak.actors` until the context ends; it has said that it is ready.
+    """Run a program of `tests.soak.actors` until the context ends. It has said that it is ready.
 
     *before* is a command that runs it somewhere else, such as in another network.
     """

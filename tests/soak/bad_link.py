@@ -56,7 +56,7 @@ class FarNetwork:
 
 @contextlib.asynccontextmanager
 async def far_network() -> AsyncIterator[FarNetwork | None]:
-    """Make it, if we have a network of our own.
+    """Make it, if this process has a separate network.
 
     To be called before anybody uses DDS: Fast DDS recognises processes of the same machine by its
     addresses, and talks to the others by UDP, which loses pictures.
@@ -116,7 +116,7 @@ async def _proxy(port: int) -> AsyncIterator[BadLink]:
 
 
 async def _until_apart(pid: int) -> None:
-    """Wait until a process has a network of its own."""
+    """Wait until a process has a separate network."""
     async with asyncio.timeout(60):
         while _network(pid) == _network("self"):  # noqa: ASYNC110  # of another process
             await asyncio.sleep(0.02)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What happens to publishers, links and clients while the load goes on: their timetable."""
+"""The timetable of faults of publishers, links, and clients during the load."""
 
 import contextlib
 import signal
@@ -14,11 +14,11 @@ from tests.soak.silences import Gap
 
 SENSORS_LIVE_S: Final = 30.0
 SENSORS_AWAY_S: Final = 3.0
-# Where a participant was killed, its successor is found at once or when it announces itself again,
-# 3 s later: by bare subscribers, too, and by each at another time.
+# DDS finds the successor of a killed participant at once, or when it announces itself again, 3 s
+# later. This also holds for bare subscribers, and for each at another time.
 FOUND_S: Final = 3.5
 CUT_EVERY_S: Final = 25.0
-# The short one is survived; the long one ends the connection, unless a proxy cuts it.
+# The short one is survived. The long one ends the connection, unless a proxy cuts it.
 CUTS_S: Final = (2.0, 15.0)
 # The same with a client that is frozen: half of the time, as long as it runs between.
 FREEZES_S: Final = (3.0, 10.0)
@@ -74,7 +74,7 @@ async def sensors() -> AsyncIterator[Sensors]:
 
 
 async def cut_now_and_then(link: BadLink, over: Over) -> int:
-    """Cut a link for a while, over and over; return how often."""
+    """Cut a link for a while, over and over. Return how often."""
     cuts = 0
     while not await over.within(CUT_EVERY_S):
         await link.cut(True)
@@ -85,7 +85,7 @@ async def cut_now_and_then(link: BadLink, over: Over) -> int:
 
 
 async def freeze_half_of_the_time(client: Actor, over: Over) -> int:
-    """Stop a client's process for as long as it runs, over and over; return how often."""
+    """Stop a client's process for as long as it runs, over and over. Return how often."""
     freezes = 0
     while True:
         seconds = FREEZES_S[freezes % len(FREEZES_S)]

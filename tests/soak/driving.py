@@ -51,7 +51,7 @@ class Driving:
         self.faults: list[Fault] = []
 
     async def run(self, over: Over) -> None:
-        """Inject faults, one after the other, until it is over; the robot stands then."""
+        """Inject faults, one after the other, until it is over. The robot stands then."""
         faults = [
             lambda: self._ends("client killed", signal.SIGKILL),
             lambda: self._ends("client closed", signal.SIGINT),
@@ -115,7 +115,7 @@ class Driving:
             await asyncio.sleep(max(dark_s + fault.at_s - time.monotonic(), 0.1))
         finally:
             process.send_signal(signal.SIGCONT)
-        # the operator pushes all the time; nothing of it may come, old or new
+        # the operator pushes all the time. Nothing of it may come, old or new
         await asyncio.sleep(_QUIET_S)
         moved_again = bool(self._robot.moved_after(zero_ns))
         self.faults.append(replace(fault, moved_again=moved_again))

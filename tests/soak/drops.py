@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The samples that a client did not get, beside those that the gateway says it has dropped."""
+"""The samples that a client did not get, next to those that the gateway says it has dropped."""
 
 from dataclasses import dataclass
 
@@ -8,10 +8,10 @@ from dataclasses import dataclass
 class Drops:
     """One subscription with ``meta``, over all connections of its client.
 
-    Drops come from the old end of a queue, so those that the gateway has counted by the time of a
-    frame are at least those that the client misses by then: more, if samples were dropped before
-    the first frame, or while a worker encoded an older one. A sample too few there is a drop that
-    nobody counted.
+    Drops come from the old end of a queue. So by the time of a frame, the gateway has counted at
+    least the drops that the client misses by then. It has counted more if samples were dropped
+    before the first frame, or while a worker encoded an older one. If it has counted fewer, it
+    missed a drop.
     """
 
     missing: int = 0

@@ -2,7 +2,7 @@
 """A network, a /dev/shm and processes of the soak's own: nobody else counts, nothing is left.
 
 They are namespaces of Linux. All processes in them end with the soak, however it ends. They need
-root; without it the soak runs where everybody does.
+root. Without it, the soak is not isolated.
 """
 
 import os
@@ -20,7 +20,7 @@ ISOLATED: Final = "SOAK_IS_ISOLATED"  # in the environment of who runs inside
 
 
 def is_isolated() -> bool:
-    """Return whether this process has a network and a /dev/shm of its own."""
+    """Return whether this process has a separate network and /dev/shm."""
     return ISOLATED in os.environ
 
 

@@ -8,7 +8,7 @@ from typing import Final
 
 from tests.soak.actor import Actor
 
-OVERLOAD: Final = 3.0  # of the load average for each core; the soak itself makes about one
+OVERLOAD: Final = 3.0  # of the load average for each core. The soak itself makes about one
 
 
 @dataclass
@@ -20,7 +20,7 @@ class Machine:
     loads: list[float] = field(default_factory=list)
 
     async def watch(self, control: Actor) -> None:
-        """Take what the control has noticed, for ever."""
+        """Take what the control has noticed, forever."""
         while True:
             self.late += [(at_s, by_s) for at_s, by_s in await control.ask("late")]
             self.loads.append(os.getloadavg()[0])

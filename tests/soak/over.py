@@ -25,7 +25,7 @@ class Over:
         self._event.set()
 
     async def within(self, seconds: float) -> bool:
-        """Wait; return whether it is over by then."""
+        """Wait. Return whether it is over by then."""
         try:
             async with asyncio.timeout(seconds):
                 await self._event.wait()

@@ -41,12 +41,12 @@ from tests.soak.vitals import (
 )
 
 PROGRESS_S: Final = 10.0
-# of three seconds; with less, the soak would rather measure the machine
+# out of three seconds: shorter pauses would measure the machine
 ABUSER_RESTS_S: Final = 2.0
 WARM_UP_S: Final = 10.0  # until everything that is loaded once, and stays, is loaded
 REST_S: Final = 120.0  # DDS knows a killed publisher for 20 s
 PAGE_S: Final = 5.0  # between looks at /metrics
-# Whoever reaches an address beyond loopback needs a token by default; here nobody else does.
+# By default, clients of an address beyond loopback need a token. Here there are no other clients.
 OPEN: Final = ("--host", "0.0.0.0", "--no-auth", "--anyone-may-drive")  # noqa: S104
 
 
@@ -199,7 +199,7 @@ class _Soak:
     async def _read_pages(self) -> None:
         """Check the sums of /metrics now and then."""
         while True:
-            # while it is flooded a gateway may refuse a page; the next one has the same counts
+            # while it is flooded a gateway may refuse a page. The next one has the same counts
             with contextlib.suppress(OSError, TimeoutError, RefusedError):
                 try:
                     self._accounting.check(await http(self._port, "/metrics"))

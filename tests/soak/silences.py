@@ -32,9 +32,9 @@ class Silences:
 
 
 def beyond_control(gap: Gap, control: Sequence[Gap]) -> float:
-    """Return the seconds of a pause in which a control heard something; its pauses may overlap."""
+    """Return the seconds of a pause in which a control heard something. Its pauses may overlap."""
     extra_s, reached_s = 0.0, gap[0]
-    for since, until in sorted((begin, end) for begin, end in control):  # lists of JSON, too
+    for since, until in sorted((begin, end) for begin, end in control):  # also lists of JSON
         extra_s += max(0.0, min(since, gap[1]) - reached_s)
         reached_s = max(reached_s, min(until, gap[1]))
     return extra_s + gap[1] - reached_s

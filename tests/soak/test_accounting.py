@@ -21,7 +21,7 @@ def checked(page: str) -> Accounting:
     return accounting
 
 
-def test_a_sum_that_comes_out_is_no_fault():
+def test_a_correct_sum_is_not_a_fault():
     found = checked(PAGE)
     assert (found.sums, found.dropped, found.faults) == (1, 2, [])
 

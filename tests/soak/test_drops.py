@@ -11,7 +11,7 @@ def drops(*frames: tuple[int, int]) -> Drops:
     return found
 
 
-def test_a_drop_that_is_counted_is_no_fault():
+def test_a_counted_drop_is_not_a_fault():
     assert drops((10, 0), (11, 0), (15, 3)).as_json() == {
         "missing": 3,
         "counted": 3,
@@ -28,7 +28,7 @@ def test_a_drop_may_be_counted_before_it_is_seen():
     assert (found.missing, found.counted, found.uncounted) == (2, 2, 0)
 
 
-def test_another_connection_begins_anew_and_adds_up():
+def test_another_connection_starts_again_and_adds_up():
     found = drops((10, 0), (15, 4))
     found.connect()
     found.add(100, 0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pauses are kept, and what a control did not hear either is no pause of the gateway's."""
+"""Pauses are kept, and a pause of a control is not a pause of the gateway."""
 
 import pytest
 

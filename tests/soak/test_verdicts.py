@@ -133,7 +133,7 @@ def test_all_holds_where_nothing_is_wrong(strict):
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_what_is_wrong_is_found(changes, subject, strict):
+def test_a_fault_is_found(changes, subject, strict):
     assert failing(record(**changes), strict=strict) == [subject]
 
 
@@ -156,7 +156,7 @@ def test_round_trips_that_get_slower_are_found(strict, late_s):
     assert failing(record(clients=clients), strict=strict) == ["p99 of round trips, first to last"]
 
 
-def test_a_load_that_loses_nothing_is_no_load():
+def test_a_load_that_loses_nothing_is_too_small():
     none = {"missing": 0, "counted": 0, "uncounted": 0}
     clients = {
         **client(BAD_LINK, drops={CAMERA.name: none}),

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The judgement of a soak: for each thing that must hold its figure, its bound, and a word.
 
-Strictly, absolute bounds hold; what exceeds one while the machine itself was too late is not
-judged, and the verdict says so. Leniently (for a machine that is busy with other tests), times
-are allowed what the machine took at the same time, and some: only a fault of another order fails.
+Strictly, absolute bounds hold. If a value exceeds one while the machine itself was too late, it is
+not judged, and the verdict says so. Leniently (for a machine that is busy with other tests), the
+bounds of times grow by the delays of the machine and more: only a fault of another order fails.
 """
 
 import itertools
@@ -25,15 +25,15 @@ NOT_JUDGED: Final = "not judged"
 GROWTH_MB_PER_MIN: Final = 0.5
 _SLOPES: Final = 200  # times whose slopes are compared, each with each
 LONG_MIN: Final = 15.0  # from here on the growth is judged by that bound
-# What a process may reserve once and late, which looks like growth in a short soak.
-ONCE_MB: Final = 25.0  # what two of the costliest frames take while they are parsed
+# A process may reserve so much once and late, which looks like growth in a short soak.
+ONCE_MB: Final = 25.0  # the memory of two of the costliest frames while they are parsed
 SILENCE_S: Final = 1.0
 SLOWER: Final = 1.5  # the last quarter's round trips, by the first's
 SLOWER_S: Final = 0.005
 EXIT_S: Final = 2.0
 ZERO_AT_EXIT_S: Final = 0.1
-# What a slow client gets at least, of what a good one gets. Its link is up for four fifths of the
-# time, or it is awake for half of it; small messages fit, of the pictures one in ten.
+# A slow client gets at least these shares of a good client's messages. Its link is up for four
+# fifths of the time, or it is awake for half of it. Small messages fit, and one image in ten.
 SMALL_SHARE: Final = 0.25
 PICTURE_SHARE: Final = 0.01
 QUEUED: Final = (
@@ -102,8 +102,8 @@ def _all(record: Record, *, strict: bool) -> list[Verdict]:
 def memory(record: Record, *, strict: bool) -> Verdict:
     """Judge the growth of the gateway's own memory, by least squares.
 
-    Leniently, also by the median of the slopes between any two times, which one step does not move:
-    a gateway that gets no core for a while has more in its queues than before.
+    Leniently, also by the median of the slopes between any two times, which one step does not move.
+    A gateway that gets no core for a while has more in its queues than before.
     """
     judged = [one for one in record.vitals if one.at_s >= record.warm_s]
     minutes = (judged[-1].at_s - judged[0].at_s) / 60
@@ -206,7 +206,7 @@ def drops(record: Record) -> list[Verdict]:
         for name in (BAD_LINK, FROZEN)
         for one in record.clients[name]["drops"].values()
     )
-    # else the load was none
+    # otherwise there was no load
     verdicts.append(_verdict("samples lost at all", f"{lost}", "> 0", holds=lost > 0))
     return verdicts
 
@@ -256,7 +256,7 @@ def round_trips(record: Record, *, strict: bool) -> Verdict:
     before_s, after_s = _p99(first, 1), _p99(last, 1)
     echo_before_s, echo_after_s = _p99(first, 2), _p99(last, 2)
     allowed_s = SLOWER * before_s + SLOWER_S
-    if not strict:  # a few hundred round trips beside other tests
+    if not strict:  # a few hundred round trips next to other tests
         allowed_s = 3 * before_s * max(1.0, echo_after_s / echo_before_s) + 0.05
     figure = (
         f"{before_s * 1e3:.1f} -> {after_s * 1e3:.1f} ms"
@@ -269,7 +269,7 @@ def round_trips(record: Record, *, strict: bool) -> Verdict:
 
 
 def faults(record: Record, *, strict: bool) -> list[Verdict]:
-    """Judge how soon each fault of whoever drives has stopped the robot."""
+    """Judge how soon each fault of the operator has stopped the robot."""
     verdicts = []
     for name in dict.fromkeys(fault.name for fault in record.faults):
         found = [fault for fault in record.faults if fault.name == name]
@@ -298,7 +298,7 @@ def the_end(record: Record, *, strict: bool) -> list[Verdict]:
     late_s = record.machine.worst_s(end.at_s, end.at_s + max(end.took_s, end.zero_s))
     exit_s, zero_s = EXIT_S, ZERO_AT_EXIT_S
     if not strict:
-        exit_s += BUSY_S + 2 * end.waited_s + LATENESS * late_s  # other threads wait, too
+        exit_s += BUSY_S + 2 * end.waited_s + LATENESS * late_s  # other threads also wait
         zero_s += BUSY_S + LATENESS * late_s
     word = HELD if end.took_s <= exit_s else FAILED
     if word == FAILED and strict and end.waited_s > STANDSTILL_S:

@@ -50,7 +50,7 @@ class Leftovers:
     ros_entities: int
     other_opened: int
     shared_memory_files: int
-    """Files of /dev/shm that the gateway and its guard have mapped, deleted ones, too."""
+    """Files of /dev/shm that the gateway and its guard have mapped, also deleted ones."""
 
     def beyond(self, before: "Leftovers") -> dict[str, str]:
         """Return what is more than before."""
@@ -118,7 +118,7 @@ def owned_files(pid: int) -> set[str]:
 async def leftovers(pid: int, port: int) -> Leftovers:
     """Count what is open."""
     health = json.loads(await http(port, "/healthz"))
-    await asyncio.sleep(0.3)  # the connection that has asked is none of it
+    await asyncio.sleep(0.3)  # until the connection of this request is closed
     seen = vitals(pid)
     return Leftovers(
         descriptors=seen.descriptors,
@@ -131,7 +131,7 @@ async def leftovers(pid: int, port: int) -> Leftovers:
 
 
 async def at_rest(pid: int, port: int, within_s: float, most: Leftovers | None) -> Leftovers:
-    """Wait until no more is open than *most*, or than a second ago; return what is open then."""
+    """Wait until no more is open than *most*, or than a second ago. Return what is open then."""
     end_s = time.monotonic() + within_s
     before = None
     while True:

@@ -43,7 +43,7 @@ def test_a_line_that_has_changed_is_named(tree, source, count):
         run([KILLED], 1, tree)
 
 
-def test_what_a_line_becomes_must_be_python(tree):
+def test_a_broken_line_must_be_python(tree):
     with pytest.raises(MutantError, match=r"^thing\.py: three are allowed: invalid"):
         run([replace(KILLED, new="<= <=")], 1, tree)
 

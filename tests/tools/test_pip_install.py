@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `make` installs, and what it says meanwhile, and without a network."""
+"""The packages that `make` installs, and its texts, with and without a network."""
 
 import http.server
 import os
@@ -68,7 +68,7 @@ def test_a_large_package_is_named_while_it_is_fetched(index: str, tmp_path: Path
     assert (tmp_path / "there/big.txt").exists()
 
 
-def test_a_package_that_an_index_lacks_is_no_lack_of_a_network(index: str, tmp_path: Path):
+def test_a_package_that_an_index_lacks_does_not_mean_a_missing_network(index: str, tmp_path: Path):
     finished = install(index, tmp_path, "small")
     assert finished.returncode == 1
     assert "No matching distribution found for small" in finished.stderr

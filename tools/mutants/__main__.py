@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run the tests against each mutant; `make mutants`."""
+"""Run the tests against each mutant, for `make mutants`."""
 
 import argparse
 import compileall
@@ -24,12 +24,12 @@ from typing import Final
 from tools.mutants.mutant import ROOT, Mutant, MutantError, load, page
 
 MIN_KILLED: Final = 0.92
-# The slowest tests of one mutant take a minute; beyond this they hang, which is noticed, too.
+# The slowest tests of one mutant take a minute. Beyond this they hang, and the mutant is noticed.
 TIMEOUT_S: Final = 300
 TEST_TIMEOUT_S: Final = 60
 
 _PACKAGES: Final = ("gateway", "gateway_sim", "schemas")
-# what pytest ends with where tests ran: passed, failed, or could not even be imported
+# exit codes of pytest: tests passed, failed, or could not be imported
 _PASSED, _FAILED, _INTERRUPTED = 0, 1, 2
 
 
@@ -51,7 +51,7 @@ class Trial:
 
 
 class Copies:
-    """Copies of the tree, each for one run of tests at a time; the tree itself is not touched."""
+    """Copies of the tree, each for one run of tests at a time. The tree itself is not touched."""
 
     def __init__(self, root: Path, folder: Path, count: int) -> None:
         self._free: queue.Queue[Path] = queue.Queue()
@@ -59,7 +59,7 @@ class Copies:
             self._free.put(_copy(root, folder / str(number)))
 
     def run(self, tests: Sequence[str], mutant: Mutant | None = None) -> tuple[int | None, str]:
-        """Run tests, with a line broken; return pytest's exit code, None for a time-out, and text.
+        """Run tests, with a line broken. Return pytest's exit code, None for a timeout, and text.
 
         Raises:
             MutantError: the mutant's line has changed.
@@ -115,7 +115,7 @@ def run(
 
 
 def verdict(trials: Sequence[Trial], report: Callable[[str], None] = print) -> bool:
-    """Report survivors and sum; return whether enough are killed, and the rest explained."""
+    """Report survivors and sum. Return whether enough are killed, and the rest explained."""
     survivors = [outcome.mutant for outcome in trials if outcome.fate is Fate.SURVIVED]
     for mutant in survivors:
         why = mutant.survives or "NO REASON GIVEN: write a test, or why none can tell"
@@ -164,10 +164,10 @@ def _copy(root: Path, copy: Path) -> Path:
         text=True,
     ).stdout.split("\0")
     for name in filter(None, listed):
-        if (root / name).is_file():  # deleted ones are listed, too
+        if (root / name).is_file():  # deleted ones are also listed
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(root / name, copy / name)
-    for name in (".venv", ".cache"):  # what `make` installed and built
+    for name in (".venv", ".cache"):  # installed and built by `make`
         if (root / name).exists():
             (copy / name).symlink_to((root / name).resolve())
     for package in filter(lambda package: (copy / package).exists(), _PACKAGES):
@@ -198,7 +198,7 @@ def _pytest(copy: Path, tests: Sequence[str]) -> tuple[int | None, str]:
 
 
 def main() -> int:
-    """Run the command line; see `--help`."""
+    """Run the command line. See `--help`."""
     parser = argparse.ArgumentParser(prog="python -m tools.mutants", description=__doc__)
     parser.add_argument("what", nargs="*", help="only files or rules with one of these words")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="runs at once")

@@ -37,7 +37,7 @@ If you change such a line, change its entry. `tests/tools/test_mutants.py` check
 
 
 class MutantError(Exception):
-    """Raised when the list does not fit the code; the text says which entry and why."""
+    """Raised when the list does not fit the code. The text says which entry and why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class Mutant:
         """Return the text of the file below *root* with the line broken.
 
         Raises:
-            MutantError: the line is not there, or more than once, or what it becomes is no Python.
+            MutantError: the line is missing or occurs more than once, or the result is not Python.
         """
         text = (root / self.file).read_text()
         count = text.count(self.old)

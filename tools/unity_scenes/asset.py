@@ -2,8 +2,8 @@
 """Unity's text format (https://docs.unity3d.com/Manual/FormatDescription.html): objects to text.
 
 An asset is a list of documents, one for each object and component, which refer to each other by
-file IDs, and to other assets by their GUIDs. What a component's fields do not say keeps the value
-that its class gives it, so only what differs is written.
+file IDs, and to other assets by their GUIDs. Fields without a value keep that of the class, so
+only differences are written.
 """
 
 import hashlib
@@ -50,7 +50,7 @@ class Component:
 
 @dataclass(frozen=True)
 class Node:
-    """A game object; its name is unique in its asset."""
+    """A game object. Its name is unique in its asset."""
 
     name: str
     components: Sequence[Component] = ()
@@ -70,7 +70,7 @@ class Node:
 
 @dataclass
 class Asset:
-    """One file; *key* is what its file IDs are derived from, so that they stay the same."""
+    """One file. *key* is what its file IDs are derived from, so that they stay the same."""
 
     key: str
     _lines: list[str] = field(default_factory=list)
@@ -99,7 +99,9 @@ class Asset:
     def file_id(self, node: str, component: str) -> int:
         """Return the number of an object in this file."""
         digest = hashlib.md5(f"{self.key}:{node}:{component}".encode(), usedforsecurity=False)
-        return int(digest.hexdigest()[:15], 16) + 1  # of 60 bits, and never 0, which is none
+        return (
+            int(digest.hexdigest()[:15], 16) + 1
+        )  # of 60 bits, and never 0, which means no object
 
     def _node(self, node: Node, parent: Node | None, order: int) -> None:
         own = ["Transform", *(component.name for component in node.components)]
@@ -206,7 +208,7 @@ def script(name: str, guid: str, fields: Mapping[str, Value]) -> Component:
 
 
 def quaternion(turn: Vector) -> tuple[float, float, float, float]:
-    """Return Unity's ``Quaternion.Euler``: about z first, then x, then y; in degrees."""
+    """Return Unity's ``Quaternion.Euler``: about z first, then x, then y, in degrees."""
     (sx, cx), (sy, cy), (sz, cz) = (
         (math.sin(math.radians(angle) / 2), math.cos(math.radians(angle) / 2)) for angle in turn
     )

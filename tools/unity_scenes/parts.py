@@ -47,7 +47,7 @@ def mesh(shape: str = "") -> Component:
 
 
 def renderer(material: Reference | None = _DEFAULT_MATERIAL) -> Component:
-    """Return a mesh renderer; without a material for a display that makes its own."""
+    """Return a mesh renderer, without a material if the display makes it."""
     return Component("MeshRenderer", 23, {"m_Materials": [material or Reference()]})
 
 
@@ -99,7 +99,7 @@ def material(path: Path) -> Reference:
 
 
 def words() -> tuple[Component, Component]:
-    """Return what shows a text, in letters of some 7 cm."""
+    """Return a text display, in letters of about 7 cm."""
     white: Mapping[str, Value] = {"serializedVersion": 2, "rgba": 4294967295}
     text = {
         "m_Text": "",

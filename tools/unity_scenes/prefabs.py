@@ -9,7 +9,7 @@ from schemas.table import Row, Table
 from tools.unity_scenes.asset import Node, Reference
 from tools.unity_scenes.parts import behaviour, camera, mesh, renderer, subscriber, words
 
-# Where robots publish these types by convention; others get a topic after their name.
+# The topics of these types by convention. Other types get a topic after their name.
 _TOPICS: Final = {
     "std_msgs/msg/String": "/chatter",
     "geometry_msgs/msg/Twist": "/cmd_vel",

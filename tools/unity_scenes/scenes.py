@@ -33,12 +33,12 @@ _COLOURS: Final = {
     "Nose": (1.0, 0.92, 0.016),
     "Target": (0.0, 1.0, 0.0),
 }
-# what each sample has materials for
+# the parts of each sample that have materials
 _PARTS: Final = {
     _TELEOPERATION: ("Floor", "Robot", "Nose"),
     _XR_TARGET: ("Floor", "Robot", "Nose", "Target"),
 }
-# Standard, and URP's Lit; a material of one is pink in the other.
+# Standard, and URP's Lit. A material of one is pink in the other.
 _SHADERS: Final = {
     "": Reference(file_id=46, guid="0000000000000000f000000000000000", kind=0),
     " URP": Reference(file_id=4800000, guid="933532a4fcc9baf4fa0491de14d08ed7", kind=3),
@@ -149,7 +149,7 @@ def _twin(folder: Path, more: list[Node]) -> Node:
 def _part(
     folder: Path, shape: str, name: str, colour: str, position: Vector, scale: Vector
 ) -> Node:
-    """Return something to see; rays go through it, at the floor."""
+    """Return a visible object at the floor that rays go through."""
     parts = [mesh(shape), renderer(_surface(folder, colour))]
     return Node(name, parts, position=position, scale=scale)
 
@@ -187,7 +187,7 @@ def _settings() -> str:
 
 
 def _scene_settings() -> str:
-    """Return what every scene has; all of it keeps Unity's defaults."""
+    """Return what every scene has. All of it keeps Unity's defaults."""
     kinds = ((29, "OcclusionCullingSettings"), (104, "RenderSettings"), (157, "LightmapSettings"))
     return "".join(
         f"--- !u!{class_id} &{number}\n{kind}:\n  m_ObjectHideFlags: 0\n"

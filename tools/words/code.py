@@ -22,7 +22,7 @@ MIN_WORDS_OF_A_SENTENCE = 4  # fewer are a name, a format, or a label
 
 
 def _paragraphs(lines: Iterable[tuple[int, str]]) -> Iterator[Block]:
-    """Yield a block for each paragraph and entry of a comment; code in it is left out."""
+    """Yield a block for each paragraph and entry of a comment. Code in it is left out."""
     open_lines: list[str] = []
     first = 0
     for number, line in [*lines, (0, "")]:

@@ -20,7 +20,7 @@ _CODE = re.compile(r"(?<!`)(`+)(?!`).+?(?<!`)\1(?!`)")
 
 
 def text_lines(source: str) -> Iterator[tuple[int, str]]:
-    """Yield number and text of each line; lines of code, comments and front matter are empty."""
+    """Yield number and text of each line. Lines of code, comments and front matter are empty."""
     source = _COMMENT.sub(lambda found: "\n" * found[0].count("\n"), source)
     lines = source.splitlines()
     skipped_until = r"---\s*$" if lines and lines[0].rstrip() == "---" else ""

@@ -20,7 +20,7 @@ def frame(stamp_ns, dropped=None):
     return f'{{"op":"publish","topic":"/x",{meta}"msg":{{"data":"{stamp_ns}"}}}}'.encode()
 
 
-def test_what_arrived_and_what_was_lost_are_of_one_burst(burst):
+def test_arrived_and_lost_messages_are_of_one_burst(burst):
     burst.note(frame(NOW_NS, dropped=5), NOW_NS)
     burst.clear()
     burst.note(frame(NOW_NS + 1 * MS, dropped=6), NOW_NS + 3 * MS)
@@ -38,6 +38,6 @@ def test_a_burst_of_which_nothing_arrives_has_no_time(burst):
     assert burst.summary() == {"distinct": 0, "reported": None, "took_ms": None}
 
 
-def test_a_status_is_no_message(burst):
+def test_a_status_is_not_a_message(burst):
     burst.note(b'{"op":"status","level":"warning","msg":"3 messages were lost"}', NOW_NS)
     assert burst.count() == 0

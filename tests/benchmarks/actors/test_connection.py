@@ -39,12 +39,12 @@ def test_operations_arrive_and_payloads_come_back():
         assert receive(connection, 1) == [b'{"op": "x"}']
 
 
-def test_what_follows_the_handshake_at_once_is_not_lost():
+def test_bytes_right_after_the_handshake_are_not_lost():
     with connected(lambda socket: [socket.send(str(i)) for i in range(50)]) as connection:
         assert receive(connection, 50) == [b"%d" % i for i in range(50)]
 
 
-def test_pings_are_answered_and_are_no_payload():
+def test_pings_are_answered_and_are_not_payloads():
     def ping(socket):
         socket.send("before")
         socket.pong("unasked")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What comes twice counts once, and the last tenth tells of a backlog."""
+"""A repeated message counts once, and the last tenth shows a backlog."""
 
 from benchmarks.actors.report import Ages
 

@@ -39,7 +39,7 @@ def test_a_message_counts_for_its_topic(write, name):
     assert [one for one, number in messages.count().items() if number] == [name]
 
 
-def test_a_status_about_a_topic_is_no_message():
+def test_a_status_about_a_topic_is_not_a_message():
     messages = RobotMessages("default")
     status = {"op": "status", "level": "warning", "msg": f"topic {topic('scan')}: publishes much"}
     messages.note(1, write_compact(status), NOW_NS)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Large messages have times in ms, as the floor's time depends on malloc; others have a ratio."""
+"""Large messages have times in ms, as the floor's time depends on malloc. Others have a ratio."""
 
 import contextlib
 
@@ -43,5 +43,5 @@ def test_large_messages_have_milliseconds_and_others_a_ratio(name, capsys):
         assert "ratio" in table
 
 
-def test_what_is_compared_by_default_has_stored_ratios():
+def test_default_comparisons_have_stored_ratios():
     assert {one.scenario for one in figures.read("ref") if one.is_ratio} == set(COMPARED)

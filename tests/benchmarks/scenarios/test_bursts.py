@@ -11,7 +11,7 @@ from benchmarks.servers import MeasuredServer
 
 
 class Actor:
-    """Answers orders from a table; a list is answered one by one."""
+    """Answers orders from a table. A list is answered one by one."""
 
     def __init__(self, **answers):
         self.answers = answers
@@ -46,7 +46,7 @@ def burst(arrived, reported, took_ms=5.0):
     return {"distinct": arrived, "reported": reported, "took_ms": took_ms}
 
 
-def test_what_is_reported_and_what_is_not_are_told_apart(measured):
+def test_reported_and_silent_losses_are_counted_apart(measured):
     assert measured(burst(10, 0), burst(4, 6), burst(7, 1, 9.0)) == {
         "arrived": 7,
         "least arrived": 4,

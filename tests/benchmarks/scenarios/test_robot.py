@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run's figures are of all clients, and pictures that are dropped on purpose are no loss."""
+"""The figures of a run are of all clients, and images dropped on purpose are not a loss."""
 
 import pytest
 
@@ -32,13 +32,13 @@ def test_a_message_that_one_client_misses_shows():
     assert run(scans=99).delivered == pytest.approx(0.99)
 
 
-def test_a_picture_that_is_dropped_is_no_loss_but_lowers_its_rate():
+def test_a_dropped_image_lowers_its_rate_and_is_not_a_loss():
     assert run(pictures=10).delivered == 1
     assert run(pictures=10).pictures_per_s("max_fps") == 5
     assert run().pictures_per_s("default") == 15
 
 
-def test_ages_of_what_did_not_arrive_are_no_number():
+def test_ages_of_missing_messages_are_not_numbers():
     nothing = {name: {"count": 0} for name in AGED}
     ages = {name: {**nothing, ODOMETRY: {"p50_ms": 4.0}} for name in PICTURE_OPTIONS}
     one = Run({}, 1.0, 0.0, 0.0, {}, ages)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What fuzzing feeds bytes to: one module for each target, named like it."""
+"""The targets of fuzzing: one module for each, with its name."""
 
 import importlib
 from pathlib import Path

@@ -14,7 +14,7 @@ from gateway.codec.json import MAX_DEPTH
 from tests.fuzz import seeds
 from tests.fuzz.target import Target, check
 
-# RFC 8746, 2.1, little-endian, by tag; as struct has them
+# RFC 8746, 2.1, little-endian, by tag, in the names of struct
 TYPED = {69: "H", 70: "I", 71: "Q", 72: "b", 77: "h", 78: "i", 79: "q", 85: "f", 86: "d"}
 
 

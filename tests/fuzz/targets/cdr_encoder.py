@@ -57,7 +57,7 @@ def run(data: bytes) -> None:
 
 
 def check_kept(value: Any, decoded: Any, definition: Definition) -> None:
-    """See that each field says what the client said; times and headers have other forms, too."""
+    """See that each field says what the client said. Times and headers also have other forms."""
     if definition.name in FORMS:
         return
     check(type(value) is dict and value.keys() <= decoded.keys(), value)

@@ -24,7 +24,7 @@ WORDS = (
     *("\\n", "${x}", "`", "{", "}", "</summary>", "]]>", ";", "import os", "\x00", "\x1b"),
     *("\U000e0001", "ü", "\t", "  # "),
 )
-# Beside what is a comment or a text, line ends are those of each language.
+# Next to what is a comment or a text, line ends are those of each language.
 CSHARP = re.compile(r'//[^\n\r\x85\u2028\u2029]*|"(?:[^"\\\n\r\x85\u2028\u2029]|\\.)*"')
 TYPESCRIPT = re.compile(r'/\*[\s\S]*?\*/|//[^\n\r\u2028\u2029]*|"(?:[^"\\\n\r]|\\.)*"')
 

@@ -23,7 +23,7 @@ from tests.fuzz.gateway_in_memory import LIMITS, World, run_in_a_loop, turns
 from tests.fuzz.target import Target, check
 
 STATUSES = frozenset({101, 200, 400, 403, 404, 405, 421, 426, 431})
-# docs/reference/errors.md; 1000 and those without a code answer the client's own
+# docs/reference/errors.md. 1000 and those without a code answer the client's own
 CLOSE_CODES = frozenset({1000, 1001, 1002, 1007, 1008, 1009, 1011, 1013, 4401, 4403, 4503})
 UPGRADE = (
     b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
@@ -44,7 +44,7 @@ def guarded(room_for: RoomFor, rules: WebRules) -> Admission:
 
 
 class Transport(asyncio.Transport):
-    """Keeps what is written; its socket takes everything."""
+    """Keeps what is written. Its socket takes everything."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -105,7 +105,7 @@ def run(data: bytes) -> None:
         connection.connection_made(transport)
         if is_upgraded:
             receive(connection, UPGRADE + b"\r\n")
-            await turns()  # what is read is handled in the next one
+            await turns()  # input is handled in the next one
             check(b" 101 " in transport.written, transport.written)
         for start in range(0, len(sent), size):
             while not transport.is_read:  # noqa: ASYNC110  # what waits goes on in each turn
@@ -156,7 +156,7 @@ def check_frames(wire: bytes) -> None:
             frame = stop.value
         else:
             check(False, "an incomplete frame")
-        # RFC 6455, 5.5.1: no data after a close; pings are still answered
+        # RFC 6455, 5.5.1: no data after a close. Pings are still answered
         check(not is_closed or frame.opcode is Opcode.PONG, "data after a close")
         if frame.opcode is Opcode.TEXT:
             bytes(frame.data).decode()

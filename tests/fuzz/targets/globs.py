@@ -118,7 +118,7 @@ def apply_rules(choices: Choices) -> None:
         is_own = RULES.is_own_host(host)
         standing = RULES.standing(origin, host, is_encrypted=bool(len(target) % 2))
         check_target(target)
-    except ValueError:  # CredentialsError is one; both are answered with 400
+    except ValueError:  # CredentialsError is one. Both are answered with 400
         return
     if standing != "foreign" and is_own:
         check(origin in ALLOWED or "http" in origin.lower(), origin)

@@ -44,7 +44,7 @@ def is_plain(data: bytes) -> bool:
     except (ValueError, RecursionError):
         return False
     commas = data.count(b",") + data.count(b"[") + data.count(b"{")
-    # the library reads what is no JSON: a byte order mark
+    # the library accepts a byte order mark, which is not JSON
     is_short = len(data) <= LARGE_TEXT_BYTES  # with NaN and the like
     return (
         is_shallow
@@ -77,7 +77,7 @@ def depth(value: Any) -> int:
 
 
 def same(one: Any, other: Any) -> bool:
-    """Compare values; integers beyond 64 bits are floats for orjson."""
+    """Compare values. Integers beyond 64 bits are floats for orjson."""
     match one, other:
         case dict(), dict():
             return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)

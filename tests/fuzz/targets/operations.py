@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What two clients send: operations, in JSON that is right, nearly right, or none."""
+"""Operations of two clients, in JSON that is right, nearly right, or missing."""
 
 import json
 import struct

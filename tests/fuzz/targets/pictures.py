@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Images whose header says anything, as pictures; and texts in pictures, and CBOR."""
+"""Images whose header says anything, as pictures, and texts in pictures, and CBOR."""
 
 from typing import Any
 
@@ -64,7 +64,7 @@ def show(choices: Choices) -> None:
 
 
 def an_image(choices: Choices) -> bytes:
-    """Return an image, right but for what is decided otherwise, or any bytes."""
+    """Return an image, right except for what is decided otherwise, or any bytes."""
     if choices.happens(16):
         return b"\0\1\0\0" + choices.rest()
     encoding = choices.pick(ENCODINGS)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Transforms that nodes publish, of any numbers, between any frames; and lookups between these."""
+"""Transforms that nodes publish, of any numbers, between any frames, and lookups between these."""
 
 import math
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a node says of a type: believed if code can be made of it, or refused with words."""
+"""A node's description of a type: accepted if code can be made of it, or refused."""
 
 import contextlib
 from typing import Any

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """A client that means harm: it floods, sends garbage, and frames that cost much.
 
-``HOST PORT REST_S`` as arguments; it rests for so long after each second of harm.
+``HOST PORT REST_S`` as arguments. It rests for so long after each second of harm.
 
-It comes from an address of its own (127.0.0.66), because what an address may cost is shared by
-its clients. It never publishes on a command topic: the robot is moved by the operator alone.
+It has a separate address (127.0.0.66), because the clients of an address share
+its limits. It never publishes on a command topic: the robot is moved by the operator alone.
 Orders: ``count``.
 """
 
@@ -37,7 +37,7 @@ _MANY: Final = 100  # topics, more than a client may have
 
 
 class Abuser:
-    """What it does, one thing at a time."""
+    """The actions of the abuser, one at a time."""
 
     def __init__(self, host: str, port: int) -> None:
         self._target = host, port

@@ -23,13 +23,13 @@ _LONGEST_S: Final = 1.0
 
 
 def operations(number: int, chance: random.Random) -> Iterator[dict[str, Any]]:
-    """Return what it opens: some of the load, in changing encodings, and something of its own."""
+    """Return what it opens: some of the load, in changing encodings, and other operations."""
     for topic in chance.sample(TOPICS, chance.randint(1, len(TOPICS))):
         yield subscribe(topic, meta=chance.random() < 0.5)
     encoding = chance.choice(["cbor", "cbor-raw", "png"])
     yield {**subscribe(SCAN), "id": "b", "compression": encoding}
     yield {**subscribe(ODOMETRY), "id": "b", "throttle_rate": chance.randint(50, 500)}
-    width = chance.choice([160, 320])  # each is an encoding of its own
+    width = chance.choice([160, 320])  # each is a separate encoding
     yield {**subscribe(CAMERA), "id": "b", "image": {"max_width": width}}
     own = f"/soak/churn_{number % 50}"
     yield {"op": "subscribe", "topic": own, "type": "std_msgs/String"}

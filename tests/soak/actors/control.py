@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The control of times: a process that sleeps and looks how long it has slept, and an echo.
 
-What comes late here is late because of the machine. Orders: ``late``, which answers with the pauses
+Anything late here is late because of the machine. Orders: ``late``, which answers with the pauses
 that were too long since the last time, and ``port`` with that of the echo.
 """
 
@@ -15,7 +15,7 @@ from typing import Final
 from benchmarks.actors.orders import obey, reply
 
 _PAUSE_S: Final = 0.01
-_LATE_S: Final = 0.005  # what is shorter concerns no bound
+_LATE_S: Final = 0.005  # shorter pauses concern no limit
 
 
 async def main() -> None:

@@ -44,7 +44,7 @@ class Listener:
         self._socket: ClientConnection | None = None
 
     async def stay(self) -> None:
-        """Be connected for ever."""
+        """Be connected forever."""
         while True:
             with contextlib.suppress(OSError, WebSocketException, TimeoutError):
                 await self._be_connected()
@@ -90,7 +90,7 @@ class Listener:
             self.sequence.add(frame["msg"]["data"])
 
     async def measure(self, port: int) -> None:
-        """Measure round trips for ever: when, of the gateway, of the echo, in seconds."""
+        """Measure round trips forever: when, of the gateway, of the echo, in seconds."""
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
         number = 0
         while True:

@@ -77,7 +77,7 @@ def main(epoch: int) -> None:
     while not over.wait(max(0.0, turns[0].due_s - time.monotonic())):
         turn = turns[0]
         turn.send()
-        # who is late by more than a period goes on from now, instead of sending a burst
+        # if it is late by more than a period, it goes on from now instead of sending a burst
         turn.due_s = max(turn.due_s + turn.period_s, time.monotonic() - turn.period_s)
         heapq.heapreplace(turns, turn)
     node.destroy_node()

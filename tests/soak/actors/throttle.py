@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A link of little bandwidth, for where no network of one's own can be had.
+"""A link of little bandwidth, for machines without a separate network.
 
 ``HOST PORT BITS_PER_S``: a proxy on loopback that passes on so many bits per second from the
 server, with small buffers. Orders: ``port``.
@@ -52,7 +52,7 @@ async def main(host: str, port: int, bits_per_s: float) -> None:
     obey({"port": lambda: listening}, lambda: loop.call_soon_threadsafe(over.set))
     reply("ready")
     await over.wait()
-    os._exit(0)  # whatever it still passes on is of no interest
+    os._exit(0)  # the rest of its data is of no interest
 
 
 if __name__ == "__main__":
