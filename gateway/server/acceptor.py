@@ -19,14 +19,14 @@ if TYPE_CHECKING:  # it imports this
 
 
 class Acceptor(Protocol):
-    """The server, as far as a connection is concerned."""
+    """The part of the server that a connection needs."""
 
     limits: Limits
     budgets: TimeBudgets
     numbers: Iterator[int]  # of connections
 
     def arrive(self, connection: Connection) -> None:
-        """Add a new connection. Another may have to make room for it."""
+        """Add a new connection, which may end another."""
 
     def client_address(self, peer: str, request: Request) -> str:
         """Return the address of a client, which may be behind proxies."""
@@ -49,7 +49,7 @@ class Acceptor(Protocol):
         """Carry out one message."""
 
     def end_turn(self, session: Session) -> None:
-        """Carry out what was deferred until the others have their turn."""
+        """Carry out work that was deferred until the others have had their turn."""
 
     def left(self, connection: Connection, session: Session | None, end: End) -> None:
         """Forget a connection that is gone."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Admission: who a client is, from its handshake or its first frame, and after every reload."""
+"""Admission: the identity of a client, from its handshake or first frame, and after a reload."""
 
 import logging
 import time
@@ -29,13 +29,13 @@ from gateway.server.close_codes import (
 )
 from gateway.server.http import Asker, offered_subprotocols
 
-# Operations that are answered with a refusal before a client is cut off: a page that subscribes to
-# all it shows, and authenticates only then, learns why each was refused.
+# Operations that are refused with an answer before a client is cut off. A page may subscribe to all
+# that it shows before it sends the token, and gets an answer to each.
 MAX_REFUSALS: Final = 64
 
 
 class Entrant(Protocol):
-    """A connection, as far as its admission is concerned."""
+    """The part of a connection that admission needs."""
 
     address: str
     is_encrypted: bool  # by TLS
@@ -59,7 +59,7 @@ RoomFor = Callable[[Entrant], str | None]
 
 
 class TurnedAwayError(Exception):
-    """Raised when a client is not admitted, with a close code, and words for it."""
+    """Raised when a client is not admitted, with a close code and a text."""
 
     def __init__(self, close_code: int, status: StatusCode, reason: str) -> None:
         super().__init__(reason)
@@ -68,7 +68,7 @@ class TurnedAwayError(Exception):
 
 
 class Admission:
-    """Admits clients. Knows those that have yet to send their token, and bounds them.
+    """Admits clients, and limits the number of those that have not sent their token.
 
     *room_for* returns the reason why there is no room for another client, or ``None``. *rules* say
     which pages get less than a program would.
@@ -91,14 +91,14 @@ class Admission:
         self._waiting: dict[Entrant, float] = {}  # since when, the oldest first
 
     def __len__(self) -> int:
-        """Count the clients that have yet to send their token."""
+        """Count the clients that have not sent their token."""
         return len(self._waiting)
 
     def identify(self, entrant: Entrant, headers: Headers) -> Identity | None:
         """Return who a client is by its handshake, or ``None`` if its first frame must say it.
 
         Raises:
-            TurnedAwayError: its token is not valid, or there is no room.
+            TurnedAwayError: the token is invalid, or there is no room.
         """
         identity = self._without_token(entrant, headers)
         token = token_in(headers.get_all("Authorization"), offered_subprotocols(headers))
@@ -109,11 +109,11 @@ class Admission:
         return identity
 
     def identify_scraper(self, asker: Asker, address: str, headers: Headers) -> Identity:
-        """Return who asks by plain HTTP for what only clients may see: metrics, pictures.
+        """Return the identity behind an HTTP request for metrics or images.
 
         Raises:
-            TurnedAwayError: it has no token where one is needed, or a wrong one.
-            CredentialsError: it has several.
+            TurnedAwayError: the token is missing or wrong.
+            CredentialsError: there are several tokens.
         """
         identity = self._without_token(asker, headers)
         token = token_in(headers.get_all("Authorization"), ())
@@ -136,7 +136,7 @@ class Admission:
             self._make_room()
 
     def tick(self, now_s: float) -> None:
-        """Turn clients away that send no token for too long, or too much else."""
+        """Refuse clients that send no token for too long, or too many other operations."""
         for entrant, since_s in list(self._waiting.items()):
             session = entrant.session
             if session is not None and session.refused > MAX_REFUSALS:
@@ -162,7 +162,7 @@ class Admission:
     def reload(
         self, tokens: Tokens, policy: Policy, clients: Iterable[tuple[Entrant, Session]]
     ) -> list[Session]:
-        """Go on with other tokens and permissions. Close the clients that these no longer fit.
+        """Use other tokens and permissions, and close the clients that these no longer fit.
 
         A client whose permissions have changed is also closed, so everything that it has open ends.
         It connects again with the new permissions. Return the sessions of closed clients.
@@ -210,7 +210,7 @@ class Admission:
                     "bad_request",
                     "token is missing: send it as `token`, because rosbridge's `mac` is not used",
                 )
-            return  # of an old client, where it needs none
+            return  # from an old client, which needs no token
         if self._authentication.looks_at_tokens:
             try:
                 self._take_token(entrant, session, operation.token)
@@ -282,7 +282,7 @@ class Admission:
 
 
 def everybody(room_for: RoomFor, rules: WebRules) -> Admission:
-    """Return an admission that asks nobody for a token."""
+    """Return an admission that needs no tokens."""
     policy = Policy(AccessConfig())
     audit = Audit(time.time_ns, level=logging.DEBUG)
     authentication = Authentication(Tokens(), policy, "admin")

@@ -22,8 +22,8 @@ def batch_writer(
 
     That is `writelines`. In Python 3.12.0 to 3.12.8, 3.13.0 and 3.13.1 it never calls
     `pause_writing` (CVE-2024-12254), and a client that does not read would fill the memory. Before
-    3.12 asyncio's own joins all frames. There a few frames are joined, which costs a copy, and
-    written as one, and the pieces of large ones are written one by one.
+    3.12, the one of asyncio joins all frames. In these versions, a few frames are joined into one
+    copy, and the pieces of large frames are written one by one.
     """
     is_deaf = (3, 12) <= version < (3, 12, 9) or (3, 13) <= version < (3, 13, 2)
     joins = type(transport).writelines is asyncio.WriteTransport.writelines

@@ -123,7 +123,7 @@ class Connection(asyncio.BufferedProtocol):
     def connection_lost(self, exc: Exception | None) -> None:
         """Release everything of this client."""
         start_s = time.monotonic()
-        self._pacing.socket_full()  # it takes nothing more
+        self._pacing.socket_full()  # it accepts nothing more
         self._inbound.close()
         self._protocol.receive_eof()
         session, self._session = self._session, None
@@ -134,7 +134,7 @@ class Connection(asyncio.BufferedProtocol):
             self._pacing.close()
 
     def pause_writing(self) -> None:
-        """Stop taking from the outbox: the socket is full."""
+        """Stop sending from the outbox: the socket is full."""
         self._pacing.socket_full()
 
     def resume_writing(self) -> None:
@@ -172,12 +172,12 @@ class Connection(asyncio.BufferedProtocol):
 
     @property
     def awaits_page(self) -> bool:
-        """True until it has taken the page that it gets later."""
+        """True until it has accepted the page that it gets later."""
         has_taken = self._protocol.eof_sent and not self._transport.get_write_buffer_size()
         return self._gets_page and not has_taken
 
     def flush(self) -> None:
-        """Send from the outbox, as far as the socket takes it."""
+        """Send from the outbox, as far as the socket accepts it."""
         if self._flushing or self.is_paused or self._session is None:
             return
         self._flushing = True  # encoding may report an error, which wakes us again
@@ -242,7 +242,7 @@ class Connection(asyncio.BufferedProtocol):
         self._transport.abort()
 
     def tick(self, now_s: float) -> None:
-        """End what has waited for too long, and send pings. Called every `TICK_S` of the server."""
+        """End a client after its timeouts, and send pings. Called every `TICK_S` of the server."""
         self._inbound.tick(now_s)
         limits = self._limits
         if self._closing_s is not None:
@@ -261,7 +261,7 @@ class Connection(asyncio.BufferedProtocol):
             self._check(now_s, self._session)
 
     def _give_up(self, in_time: str) -> None:
-        """End what has not become a client, nor got its page, in time."""
+        """End a connection that has neither become a client nor got its page in time."""
         if self._gets_page:
             self.answer(self._protocol.reject(503, f"busy: no page {in_time}\n"))
         else:
@@ -276,11 +276,11 @@ class Connection(asyncio.BufferedProtocol):
     # Called by its `Inbound`
 
     def handle(self, event: Event | Callable[[], None]) -> None:
-        """Handle one request or frame, or do what one that was handled has left to do."""
+        """Handle one request or frame, or go on with the work of an earlier one."""
         if isinstance(event, Request):
             self._open(event)
         elif self._session is None or self._closing_s is not None or isinstance(event, Response):
-            pass  # nobody is there for it any more, or yet
+            pass  # there is no session any more, or not yet
         elif not isinstance(event, Frame):
             event()
         elif not self._frames.allow(time.monotonic_ns()):
@@ -304,17 +304,17 @@ class Connection(asyncio.BufferedProtocol):
                 self._write_output(output)
 
     def end_turn(self) -> None:
-        """Carry out what was deferred until now."""
+        """Carry out deferred work."""
         if self._session is not None and self._session.deferred:
             self._acceptor.end_turn(self._session)
 
     def fall_behind(self, *, is_behind: bool) -> None:
-        """Let the newest of what waits count alone, where that is all that counts."""
+        """Keep only the newest waiting message of topics where only the newest counts."""
         if self._session is not None:
             self._session.is_behind = is_behind
 
     def fail(self, bug: Exception) -> None:
-        """Close this client for a bug of ours, which concerns no other."""
+        """Close this client because of a fault of the gateway, which affects no other client."""
         logger.error("connection failed", exc_info=bug, extra={"client": self.name})
         self.close(INTERNAL_ERROR, "internal error")
 
@@ -326,7 +326,7 @@ class Connection(asyncio.BufferedProtocol):
         if response is not None:
             self.answer(response)
         if self._protocol.state is not OPEN:
-            # `websockets` takes what comes behind a request for frames until that is answered
+            # until a request is answered, `websockets` would parse the input behind it as frames
             self._inbound.ignore()
             return
         self.address = self._acceptor.client_address(self.address, request)
@@ -343,7 +343,7 @@ class Connection(asyncio.BufferedProtocol):
         logger.info("connected", extra={"client": self.name})
 
     def _explain_failure(self) -> None:
-        """Report in a `status` why `websockets` is about to close, if a client can know."""
+        """Send the reason of a close by `websockets` in a `status`, if the client can get one."""
         if self._closing_s is not None:
             return
         if self._session is None:

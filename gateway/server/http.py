@@ -44,7 +44,7 @@ and send, for example,
 or help, which shows lines for what is there.
 
 The gateway's health is at /healthz, its metrics for Prometheus at /metrics.
-Pictures for any page are at /stream?topic=/camera/image_raw and /snapshot.
+Images for any page are at /stream?topic=/camera/image_raw and /snapshot.
 """
 _VERSION: Final = "13"  # Sec-WebSocket-Version
 _JSON: Final = "application/json; charset=utf-8"

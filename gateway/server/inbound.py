@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The input of one client that is not handled yet, and the pace at which it is.
+"""The input of one client that waits, and the pace of its handling.
 
 Everything is handled in the order of arrival, except a `stop`, which goes first.
-While anything waits here the socket is not read, so that it is one read at most, and TCP holds the
-sender back. A client that has spent its time is read ahead, as its `stop` may be in what it sends.
+While input waits, the socket is not read, so at most one read waits, and TCP slows the sender down.
+A client that has spent its time is read ahead, because its input may contain a `stop`.
 """
 
 import asyncio
@@ -37,7 +37,7 @@ MAX_AHEAD: Final = 4096
 MAX_AHEAD_BYTES: Final = 256 * 1024
 MAX_STOP_BYTES: Final = 1024  # of a message that may be a `stop`: two names, and room
 
-# A client that has left has its publishes carried out for so long, if its time allows.
+# The publishes of a client that has left are carried out for so long, if its time allows.
 LEFTOVER_S: Final = 1.0
 # ... and when its socket is gone: 500 small ones, and its robot stops behind them.
 LAST_S: Final = 0.02
@@ -48,14 +48,14 @@ _END_OF_HEAD: Final = b"\r\n\r\n"
 
 
 class Receiver(Protocol):
-    """The connection that handles what comes in."""
+    """The connection that handles the input."""
 
     @property
     def session(self) -> Session | None:
         """The session of a client."""
 
     def handle(self, event: Event | Callable[[], None]) -> None:
-        """Handle one request or frame, or do what one that was handled has left to do."""
+        """Handle one request or frame, or go on with the work of an earlier one."""
 
     def end_piece(self) -> None:
         """Send what `websockets` answers by itself: all before it is handled."""
@@ -67,7 +67,7 @@ class Receiver(Protocol):
         """Note that its budget is spent, or is no longer."""
 
     def fail(self, bug: Exception) -> None:
-        """Close this client for a bug of ours."""
+        """Close this client because of a fault of the gateway."""
 
 
 class Inbound:
@@ -88,13 +88,13 @@ class Inbound:
         spending.go_on = self.go_on
         self._unparsed = b""
         self._events: deque[Event | Callable[[], None]] = deque()
-        self._ahead_bytes = 0  # of what was parsed since nothing waited
+        self._ahead_bytes = 0  # of the input that was parsed since nothing waited
         self._overtaken = 0  # of the events those before a `stop` that was carried out
         self._is_turn_over = False
         self._head: bytes | None = (
             b""  # the end of the HTTP request so far, or None if it is complete
         )
-        self._is_ignored = False  # what comes
+        self._is_ignored = False  # further input
         self._is_closed = False
         self._is_at_end = False  # the client sends nothing more
         self._left_s: float | None = None  # when it was seen that the client has left
@@ -111,7 +111,7 @@ class Inbound:
         return bool(self._events or self._unparsed)
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Take what was read, and have it handled as soon as all sockets are read."""
+        """Add input, which is handled as soon as all sockets are read."""
         if not self:
             self._read_s = now_s
         self._cost_s += READ_COST_S
@@ -122,12 +122,12 @@ class Inbound:
         self._spending.turns.add(self)
 
     def go_on(self) -> None:
-        """Handle a slice of what waits: the budget allows it."""
+        """Handle a slice of the waiting input: the budget allows it."""
         self._is_waiting = False
         self._spending.turns.add(self)
 
     def waited_s(self) -> float:
-        """Return for how long what is being handled may have waited, here or in the kernel."""
+        """Return how long the current input may have waited, here or in the kernel."""
         since_s = self._read_s if self._late_since_s is None else self._late_since_s
         return time.monotonic() - since_s
 
@@ -138,13 +138,13 @@ class Inbound:
         self._is_turn_over = True
 
     def drop(self) -> None:
-        """Forget what waits: nobody wants it any more."""
+        """Forget the waiting input."""
         self._unparsed = b""
         self._events.clear()
         self._is_turn_over = False
 
     def ignore(self) -> None:
-        """Forget what waits, and all that comes. Reading it is paid for nevertheless."""
+        """Forget the waiting and all further input. Reading it still costs the client time."""
         self._is_ignored = True
         self.drop()
 
@@ -159,7 +159,7 @@ class Inbound:
         return self._is_at_end
 
     def tick(self, now_s: float) -> None:
-        """Look whether a client that has spent its time has left. End one that has."""
+        """End a client that has spent its time and has left."""
         if self._left_s is not None:
             if now_s - self._left_s > LEFTOVER_S:
                 self._transport.abort()
@@ -213,7 +213,7 @@ class Inbound:
         self._read_on()
 
     def _pay(self, spent_s: float, now_s: float) -> None:
-        """Pay for a slice, and have what is left handled when there is time for it."""
+        """Pay for a slice, and have the rest handled when there is time."""
         may_go_on = self._spending.spend(spent_s, now_s) or self._may_drive()
         if may_go_on is self._is_behind:
             self._is_behind = not may_go_on
@@ -226,7 +226,7 @@ class Inbound:
             self._spending.turns.add(self)
 
     def _read_on(self) -> None:
-        """Read again if there is room. Take note of whether what comes may have waited."""
+        """Read again if there is room. Note whether the next input may have waited."""
         if self._is_at_end and not self:
             self._transport.close()
         if self._is_at_end or self._transport.is_closing():
@@ -244,7 +244,7 @@ class Inbound:
             self._catch_up(EMPTY_TURNS)
 
     def _has_no_room(self) -> bool:
-        if self._is_behind:  # else what waits is handled before more is read
+        if self._is_behind:  # otherwise the waiting input is handled before more is read
             return bool(self._unparsed) or self._is_full() or self._is_ignored
         return bool(self)
 
@@ -268,7 +268,7 @@ class Inbound:
         return session is not None and session.drives()
 
     def _may_drive(self) -> bool:
-        """Return whether its own time suffices for a client that drives: the others' may not."""
+        """Return whether a driver has time of its budget, even if its address has none."""
         return not self._spending.is_in_debt and self._drives()
 
     # What waits
@@ -280,7 +280,7 @@ class Inbound:
         return bool(self._unparsed) and self._receiver.session is not None and not self._is_full()
 
     def _look_ahead(self, end_s: float) -> None:
-        """Parse what was read, and carry out each `stop` in it, before anything else is."""
+        """Parse the input, and carry out each `stop` in it before anything else."""
         while self._can_look_ahead():
             self._parse()
             if time.monotonic() > end_s:
@@ -326,14 +326,14 @@ class Inbound:
                 self._events.append(event)
 
     def _leave(self) -> None:
-        """Drop what a client has left behind that nobody wants. It drives no more."""
+        """Drop input of a client that has left, except its publishes. It no longer drives."""
         if self._left_s is None:
             self._left_s = time.monotonic()
             self._events = deque(filter(_is_lasting, self._events))
             self._overtaken = sys.maxsize
 
     def _cut(self) -> bytes:
-        """Take the next piece of what is not parsed. The first one ends with the HTTP request.
+        """Take the next unparsed piece. The first one ends with the HTTP request.
 
         `websockets` would parse frames behind a request that is not answered yet.
         """

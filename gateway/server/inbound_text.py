@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Text frames, which have to be UTF-8 (RFC 6455, section 8.1)."""
+"""Text frames, which must be UTF-8 (RFC 6455, section 8.1)."""
 
 from collections.abc import Callable
 
@@ -15,7 +15,7 @@ def receive_message(
     session: Session, message: bytes, receive: Callable[[Session, bytes], None], *, is_text: bool
 ) -> None:
     """Have a message carried out."""
-    if is_text and is_cbor(message):  # no UTF-8 begins like that
+    if is_text and is_cbor(message):  # UTF-8 cannot begin like that
         text = f"{_not_utf8(message)}. Send CBOR in binary frames"
         session.refuse(ProtocolError("bad_json", text))
         session.on_unreadable(message)
@@ -26,7 +26,7 @@ def receive_message(
 def expect_text(
     session: Session, assembly: MessageAssembly, close: Callable[[int, str], None]
 ) -> None:
-    """Close, as an endpoint MUST, if the newest message is in a text frame and no UTF-8.
+    """Close, as an endpoint must, if the newest message is in a text frame and not UTF-8.
 
     Text that was read as JSON is valid. A check before that takes two thirds of the reading time.
     """

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Judgement of an open client by time: is its link alive, does it take what it is sent?
+"""Checks of an open client: is its connection alive, and does it accept data?
 
-A client that answers no ping may stand at a breakpoint, so pings decide nothing. Its kernel does:
-it acknowledges what it accepts, and says so if it accepts nothing, as the client does not read.
+A client that answers no ping may stand at a breakpoint, so pings decide nothing. Its kernel
+acknowledges accepted data, and reports that it accepts none if the client does not read.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from gateway.server.link import Reading
 # Time for a hole in the radio. While nothing is on the way, the kernel asks and judges by itself:
 # see `gateway.server.socket_options`.
 DEAD_LINK_S: Final = 10.0
-# From one look at the kernel's figures to the next, 3 us each.
+# The time between two readings of the kernel, which take 3 us each.
 LOOK_S: Final = 1.0
 
 
@@ -43,7 +43,7 @@ class Close:
     reason: str
 
 
-# `Why` is to cut off for this cause: a closing handshake would wait behind what is not taken.
+# `Why` cuts the connection for this cause: a closing handshake would wait behind unsent data.
 Verdict = SendPing | Close | Why
 PING: Final = SendPing()
 
@@ -54,7 +54,7 @@ class KeepAlive:
     def __init__(self, limits: Limits, now_s: float) -> None:
         self._limits = limits
         self._looked_s = now_s
-        self._stuck_s: float | None = None  # since when nothing is taken of what is on the way
+        self._stuck_s: float | None = None  # the time since which nothing on the way is accepted
         self._acked_bytes = 0
         self._crowded_s: float | None = None
         self._pinged_s = now_s
@@ -68,7 +68,7 @@ class KeepAlive:
             self._unanswered_s = None
 
     def check(self, now_s: float, outbox: Outbox, way: WayOut) -> Verdict | None:
-        """Return what is to be done with the client."""
+        """Return the action to take."""
         return (
             self._check_link(now_s, way)
             or self._check_backlog(now_s, outbox, way)
@@ -88,7 +88,7 @@ class KeepAlive:
         elif self._stuck_s is None or reading.acked_bytes > acked_bytes:
             self._stuck_s = now_s
         elif now_s - self._stuck_s > self._limits.send_deadline_s:
-            text = f"it took nothing for {self._limits.send_deadline_s:g} s"
+            text = f"it accepted nothing for {self._limits.send_deadline_s:g} s"
             return Why("gateway", "send_timeout", text)
         return None
 
@@ -96,7 +96,7 @@ class KeepAlive:
         if outbox.overflowed:
             return Close(SLOW_CONSUMER, "slow consumer: answers alone exceed the send queue")
         if not way.is_paused or outbox.excess <= outbox.max_bytes // 2:
-            # While the socket takes bytes, the queue waits for us: a picture being encoded, say.
+            # If the socket accepts bytes, the queue waits for us, such as for an encoder.
             self._crowded_s = None
         elif self._crowded_s is None:
             self._crowded_s = now_s

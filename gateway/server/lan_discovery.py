@@ -45,13 +45,13 @@ class LanDiscovery:
 
     @property
     def port(self) -> int:
-        """The port, as the system has it."""
+        """The port."""
         return int(self._socket.getsockname()[1])
 
     def answer_waiting(self) -> None:
         """Answer the questions that have arrived, up to `DATAGRAMS_PER_TURN` datagrams."""
         for _ in range(DATAGRAMS_PER_TURN):
-            # an error is that of an earlier answer, whose receiver has gone
+            # the error of an earlier answer whose receiver has gone
             with contextlib.suppress(OSError):
                 try:
                     datagram, sender = self._socket.recvfrom(lan_discovery.MAX_BYTES)

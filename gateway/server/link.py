@@ -18,12 +18,12 @@ FIRST_WINDOW_BYTES: Final = 64 * 1024
 # A shorter sample would take a router's burst, or the acknowledgements that WiFi collects, for the
 # rate of the link.
 SAMPLE_NS: Final = 50_000_000
-# No byte for so long is a hole in the radio, of which nothing can be learned about the rate.
+# No byte for so long is a hole in the radio, which says nothing about the rate.
 STALL_NS: Final = 250_000_000
-# Unless acknowledgements come as rarely anyway: one segment takes half a second at 24 kbit/s.
+# Unless acknowledgements are always so rare: one segment takes half a second at 24 kbit/s.
 STALL_GAPS: Final = 4
-# A rate that was measured once says little some seconds later. While the link is not full it is
-# taken for faster, by half and more each second, until it is full again, or nobody cares.
+# A measured rate means little after some seconds. While the link is not full, the rate is assumed
+# to grow by half each second, until the link is full again or fast enough.
 GROWTH_PER_S: Final = 0.5
 FAST_BYTES_PER_S: Final = 4e6
 
@@ -56,7 +56,7 @@ class Link:
 
     def __init__(self) -> None:
         self.window_bytes = FIRST_WINDOW_BYTES
-        self.bytes_per_s: float | None = None  # of a link that was full, until nobody cares
+        self.bytes_per_s: float | None = None  # of a link that was full, or None
         self._rate = FIRST_WINDOW_BYTES / QUEUE_S
         self._began: Reading | None = None  # of the sample
         self._began_ns = 0
@@ -68,7 +68,7 @@ class Link:
     def read(self, reading: Reading, now_ns: int) -> None:
         """Learn from a reading. They may come at any times."""
         last, self._last = self._last, reading
-        # else some of what was on the way then still is, and there was no pause
+        # otherwise some of those bytes are still on the way, and there was no pause
         self._has_paused |= reading.acked_bytes - last.acked_bytes >= last.on_the_way_bytes
         if reading.acked_bytes > last.acked_bytes:
             gap_ns = now_ns - self._moved_ns

@@ -25,7 +25,7 @@ class MessageAssembly:
             if frame.fin:  # maybe ahead of its turn, within a message of several frames
                 return data
             self._begins_text = self.is_text
-        if data:  # else any number of them would be kept
+        if data:  # otherwise any number of them would be kept
             self._fragments.append(data)
         if not frame.fin:
             return None

@@ -19,7 +19,7 @@ MAX_WAIT_S: Final = 0.05
 
 
 class Pacing:
-    """Says when a connection may write: while its socket takes, and its link is not full.
+    """Decides when a connection may write: while its socket accepts, and its link is not full.
 
     *on_resumed* is called when it may again, *on_rate* gets the rate of the link in bytes per
     second when it has changed, or ``None`` when the link is fast again.
@@ -45,7 +45,7 @@ class Pacing:
         self.write: Callable[[bytes], object] = transport.write  # of a `PacedSocket`
 
     def read(self) -> Reading:
-        """Return what the kernel knows, or else what the transport does."""
+        """Return the reading of the kernel, or else of the transport."""
         waiting = self._transport.get_write_buffer_size()
         return read_tcp_info(self._socket) or Reading(-waiting, waiting, 0.0)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of a topic by plain HTTP, as an `<img>` takes them: one, or one after the other.
+"""Images of a topic over plain HTTP for an `<img>`: one, or one after the other.
 
 Each viewer is a session of the router with one subscription. So it shares images with other
 subscribers that have the same options, and a slow viewer gets only the newest image.
@@ -137,7 +137,7 @@ class Viewer:
         self._asker.write(head + _DELIMITER.lstrip())
 
     def _refuse(self, status: int, text: str) -> None:
-        """Say why there is no picture, while there is a response to do it by."""
+        """Answer with the reason why there is no image, before the response begins."""
         if self._has_begun:
             return
         self._answer(self._protocol.reject(status, f"{text}\n"))
@@ -150,7 +150,7 @@ class Viewer:
 
 
 class Pictures:
-    """The viewers of all topics. A limited number at a time."""
+    """The viewers of all topics, a limited number at a time."""
 
     def __init__(self, router: Router) -> None:
         self._router = router
@@ -177,7 +177,7 @@ class Pictures:
         identity: Identity,
         address: str,
     ) -> Response | None:
-        """Have pictures sent to who may see them. Return a response if there will be none."""
+        """Begin to send images, or return a refusal."""
         try:
             asked = picture_request(request.path)
         except PictureRequestError as error:
@@ -203,7 +203,7 @@ class Pictures:
         return self._subscribe(protocol, viewer, asker, asked)
 
     def left(self, asker: Asker) -> None:
-        """End what a connection looks at, if it does."""
+        """End the viewer of a connection, if there is one."""
         viewer = self._viewers.pop(asker, None)
         if viewer is not None:
             viewer.end()

@@ -22,7 +22,7 @@ Reply = Callable[[bytes | None], None]
 
 
 class Scrapes:
-    """Answers all who ask while a page is being written for their role by that one page."""
+    """Answers all requests that arrive while a page for their role is written with that page."""
 
     def __init__(self, state: Callable[[], State]) -> None:
         self._state = state

@@ -144,7 +144,7 @@ class Server:
     async def _open(
         self, door: Door, hosts: Sequence[str], listeners: list[asyncio.Server]
     ) -> list[tuple[str, int]]:
-        """Listen on a door, and add what does so to *listeners*. Return its addresses."""
+        """Listen on a door, add its listeners to *listeners*, and return its addresses."""
         if door.tls is not None:
             log_failed_handshakes(door.tls)
         open_s = self.limits.open_timeout_s
@@ -240,7 +240,7 @@ class Server:
         )
 
     def state(self) -> State:
-        """Return all of it, at one moment."""
+        """Return the whole state, at one moment."""
         return State(self.summary(), self._router.traffic())
 
     # For connections: see `Acceptor`
@@ -260,7 +260,7 @@ class Server:
             leaving[0].abort()
 
     def _metrics(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
-        """Have the metrics written for who may see them."""
+        """Have the metrics written for a role, or refuse the request."""
         try:
             _, identity = self._identify(request, asker)
         except TurnedAwayError as error:
@@ -280,7 +280,7 @@ class Server:
         return None
 
     def _show(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
-        """Have pictures sent to who may see them."""
+        """Have images sent to a role, or refuse the request."""
         try:
             address, identity = self._identify(request, asker)
         except TurnedAwayError as error:
@@ -288,7 +288,7 @@ class Server:
         return self._pictures.respond(protocol, request, asker, identity, address)
 
     def _identify(self, request: Request, asker: Asker) -> tuple[str, Identity]:
-        """Return the address and the identity of who asks by plain HTTP."""
+        """Return the address and the identity behind an HTTP request."""
         address = self.client_address(asker.address, request)
         return address, self._admission.identify_scraper(asker, address, request.headers)
 
@@ -350,7 +350,7 @@ class Server:
         self._router.receive(session, data)
 
     def end_turn(self, session: Session) -> None:
-        """Carry out what a session's messages deferred."""
+        """Carry out the deferred work of a session."""
         self._router.end_turn(session)
 
     def left(self, connection: Connection, session: Session | None, end: End) -> None:
@@ -380,7 +380,7 @@ class Server:
             for connection in list(self._connections):
                 try:
                     connection.tick(now_s)
-                except Exception:  # our bug: it must not end the others' keep-alive
+                except Exception:  # our fault must not end the keep-alive of others
                     client = {"client": connection.name}
                     logger.exception("keeping the times of a client failed", extra=client)
                     connection.abort(Why("gateway", "internal_error", "internal error"))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pages' files: read and compressed once, at the start, and served from memory.
+"""The files of the pages: read and compressed once, at the start, and served from memory.
 
-They are the same for everybody and hold nothing of the robot: what a page shows comes by its
-WebSocket, for which a token may be needed.
+They are the same for everybody and contain no data of the robot. A page gets its data over its
+WebSocket, which may need a token.
 """
 
 import gzip

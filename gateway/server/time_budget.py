@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The time of the event loop that clients may take, each and all of one address together.
 
-It is wall time, not CPU time: on a busy machine, or while ROS blocks, it is what the others lose.
+It is wall time, not CPU time, because others lose it even on a busy machine or while ROS blocks.
 Reading the clock takes 80 ns, that of a thread's CPU time ten times as long.
 """
 
@@ -16,7 +16,7 @@ from gateway.server.turns import Turns
 WINDOW_S: Final = 1.0  # the unspent time of this window may be spent at once
 REFILL_S: Final = 0.004  # a turn, before a wait ends: else there would be one for each read
 SETTLE_S: Final = 0.0005  # no sooner: most frames take 20 us, and two budgets would add another
-ROUNDING_S: Final = 1e-6  # else a wait could end a hair too soon, and nothing be left
+ROUNDING_S: Final = 1e-6  # otherwise a wait could end slightly too soon, with nothing left
 MAX_ADDRESSES: Final = 1024  # that are remembered, 0.3 MB, in addition to those with connections
 
 

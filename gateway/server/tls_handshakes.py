@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A line of the log for each TLS handshake that fails, which asyncio ends without a word."""
+"""A log line for each failed TLS handshake, which asyncio does not report."""
 
 import logging
 import ssl

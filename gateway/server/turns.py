@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The order in which clients have their input handled, and the time of all in one turn of the loop.
 
-Sockets are read first, all of them, and then what came is handled here, so that the kernel's order
-of sockets means nothing. First comes a client that drives, next one that has spent little.
+All sockets are read first, and then their input is handled here. So the kernel's order of sockets
+does not matter. A client that drives comes first, then clients that have spent little time.
 """
 
 import asyncio

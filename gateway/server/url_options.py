@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The options that a client sets in the address of the WebSocket, for all that it does."""
+"""The options that a client sets in the address of the WebSocket."""
 
 from collections.abc import Sequence
 from typing import NamedTuple, cast
@@ -12,7 +12,7 @@ from gateway.protocol.session import Session
 
 
 class UrlOptionError(ValueError):
-    """Raised when an address asks for something that is not there. The text is for the client."""
+    """Raised when an option of an address is not available. The text is for the client."""
 
 
 class UrlOptions(NamedTuple):
@@ -26,7 +26,7 @@ class UrlOptions(NamedTuple):
         return None if self.status in {None, "none"} else code
 
     def apply(self, session: Session) -> None:
-        """Do for a client what its address asks for."""
+        """Apply the options of an address to a client."""
         session.image_format = self.images or session.image_format
         if self.status is not None:
             session.set_level(self.status)

@@ -299,7 +299,7 @@ async def test_the_first_cause_counts(serve: Serve, caplog):
         (connection,) = served.server._connections
         connection.close(POLICY_VIOLATION, "enough")
         connection.close(INTERNAL_ERROR, "internal error")
-        connection.abort(Why("gateway", "send_timeout", "it took nothing"))
+        connection.abort(Why("gateway", "send_timeout", "it accepted nothing"))
         await eventually(lambda: bool(ends(caplog)))
         writer.close()
     (record,) = ends(caplog)

@@ -12,7 +12,7 @@ from gateway.server.link import Reading
 
 LIMITS = Limits(ping_interval_s=5, slow_consumer_s=5, send_queue_bytes=100_000)
 DEAD_LINK = Why("network", "lost", "nothing acknowledged for 10 s")
-TOOK_NOTHING = Why("gateway", "send_timeout", "it took nothing for 30 s")
+TOOK_NOTHING = Why("gateway", "send_timeout", "it accepted nothing for 30 s")
 HOUR_S = 3600
 
 
