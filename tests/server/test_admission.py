@@ -172,7 +172,7 @@ async def test_before_its_token_everything_is_refused_with_words(serve: Serve):
         statuses = [await speaker.status() for _ in range(5)]
         assert [status["code"] for status in statuses] == ["forbidden"] * 4 + ["bad_request"]
         assert "authenticate first" in statuses[0]["msg"]
-        assert "token: missing" in statuses[4]["msg"]
+        assert "token is missing" in statuses[4]["msg"]
         assert served.ros.entity_count() == 0
         await speaker.send(op="auth", token=OPERATORS)
         assert await speaker.sync() == []
