@@ -333,7 +333,10 @@ class _LoopErrors:
             loop.default_exception_handler(context)
         elif loop.time() - self._warned_s > WARN_AGAIN_S:
             self._warned_s = loop.time()
-            logger.warning("no client can connect: %s", system_reason(error))
+            logger.warning(
+                "no client can connect, %s: allow more, for example with `ulimit -n`",
+                system_reason(error),
+            )
 
 
 @contextmanager

@@ -98,7 +98,10 @@ def test_that_no_client_can_connect_is_said_every_10_s(caplog: pytest.LogCapture
         errors(loop, {"exception": OSError(errno.EMFILE, "Too many open files")})
         said.append(len(caplog.messages))
     assert said == [1, 1, 2, 2, 3]
-    assert caplog.messages[0] == "no client can connect: too many open files"
+    assert (
+        caplog.messages[0]
+        == "no client can connect, too many open files: allow more, for example with `ulimit -n`"
+    )
 
 
 def test_configured_definitions_go_before_shipped_ones(tmp_path: Path):

@@ -140,7 +140,11 @@ class Admission:
         for entrant, since_s in list(self._waiting.items()):
             session = entrant.session
             if session is not None and session.refused > MAX_REFUSALS:
-                self._turn_away(entrant, POLICY_VIOLATION, "no token, and too many operations")
+                self._turn_away(
+                    entrant,
+                    POLICY_VIOLATION,
+                    "too many operations without a token: send the token first",
+                )
             elif now_s - since_s > self._config.auth_timeout_s:
                 reason = f"no token within {self._config.auth_timeout_s:g} s"
                 self.failures["timeout"] += 1

@@ -356,7 +356,7 @@ class Connection(asyncio.BufferedProtocol):
         if isinstance(self._protocol.parser_exc, PayloadTooBig):
             self._closing_s = time.monotonic()
             most = f"{self._protocol.max_message_size} bytes (limits.max_message_bytes)"
-            text = f"message too large, at most {most}"
+            text = f"message too large: send at most {most}"
             self._why = closed_by_gateway(MESSAGE_TOO_BIG, text)
             self._session.refuse(ProtocolError("limit_exceeded", text))
             # the state is no longer open, so `flush` would not send it

@@ -290,7 +290,10 @@ async def test_too_many_operations_without_a_token_are_abuse(serve: Serve):
     async with Door(serve).open() as served, client(served.url) as speaker:
         for _ in range(64 + 1):
             await speaker.send(op="ping")
-        assert await closing(speaker) == (1008, "no token, and too many operations")
+        assert await closing(speaker) == (
+            1008,
+            "too many operations without a token: send the token first",
+        )
 
 
 async def test_so_many_clients_wait_for_their_token_and_the_oldest_makes_room(serve: Serve):
