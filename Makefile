@@ -104,7 +104,7 @@ mutants: $(READY_FOR_TESTS) ## break lines on purpose, and check that tests noti
 	@$(BIN)/python -m tests.interfaces
 	@$(BIN)/python -m tools.mutants $(WHAT) $(ARGS)
 
-release: $(READY_FOR_TESTS) ## build wheel and sdist, install and start both, print what remains; uploads nothing
+release: $(READY_FOR_TESTS) ## build wheel and sdist, install and start both, and print the next steps, without an upload
 	@$(BIN)/python -m tools.release
 
 clean: ## remove .venv and all caches

@@ -59,6 +59,7 @@ def test_a_broken_rule_is_found_with_its_line(source, expected):
         "What does it do? It works.\n",
         "## What it does\n",
         "There is no map.\n",
+        "Add classes of your own types.\n",
         "It is no longer there.\n",
         "See [the page](a;b.md).\n",
         "| What | Where |\n|---|---|\n| a | b |\n",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Build a release and try it: `make release`. Nothing is uploaded.
 
-Both files are installed as a user would, each in an environment of its own with an empty home, and
+Both files are installed as a user would, each in a separate environment with an empty home, and
 a gateway is started from them.
 """
 
@@ -37,7 +37,7 @@ with connect(address) as gateway:
 
 
 class ReleaseError(Exception):
-    """The release is not ready; the text says why, and what to do."""
+    """The release is not ready. The text says why, and what to do."""
 
 
 def versions(root: Path = ROOT) -> dict[str, str]:
@@ -95,7 +95,7 @@ def _run(command: Sequence[str | Path], cwd: Path, home: Path | None = None) -> 
 
 
 def _bare(home: Path) -> dict[str, str]:
-    """Return the environment of a user without settings, but for the way to a package index."""
+    """Return the environment of a user without settings, except for the way to a package index."""
     kept = {name: value for name, value in os.environ.items() if name.startswith("PIP_")}
     return {
         **kept,
@@ -158,7 +158,7 @@ REMAINING = """
 
 
 def main() -> int:
-    """Build and try a release; return the exit code."""
+    """Build and try a release. Return the exit code."""
     try:
         version = the_version(versions())
         check_fragments(version)

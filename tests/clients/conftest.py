@@ -91,5 +91,5 @@ async def client(
     await connection.connect(gateway)
     yield connection
     await connection.close()
-    assert library.take("warning") == []  # roslibpy takes each status for an error of its own
+    assert library.take("warning") == []  # roslibpy takes each status for its own error
     library.events.clear()

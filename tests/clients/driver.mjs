@@ -4,9 +4,9 @@
  *
  *     node driver.mjs DIRECTORY    of a package.json with roslib installed
  *
- * A command is `{"n": 1, "do": "subscribe", "connection": "a", ...}`; its answer has the same `n`
- * and a `result` or a `failure`. What comes unasked is `{"event": ..., "connection": ..., "name":
- * ..., "value": ...}`. What roslib complains about is the event `warning`.
+ * A command is `{"n": 1, "do": "subscribe", "connection": "a", ...}`. Its answer has the same `n`
+ * and a `result` or a `failure`. An event is `{"event": ..., "connection": ..., "name":
+ * ..., "value": ...}`. A warning of roslib is the event `warning`.
  */
 
 import { readFileSync } from "node:fs";
@@ -61,7 +61,7 @@ class Connection {
     return this.made.get(key);
   }
 
-  // An encoding keeps roslib 1 from complaining about the lack of one; 2 knows no such option.
+  // An encoding keeps roslib 1 from complaining about the lack of one. roslib 2 has no such option.
   connect({ url, again = false, token = null }) {
     this.again = again;
     this.ros = new ROSLIB.Ros({ encoding: "utf8" });
@@ -267,7 +267,7 @@ class Connection {
     this.ros.callOnConnection(operation);
   }
 
-  /** Tell what comes for a topic, whoever has subscribed to it. */
+  /** Report the messages of a topic to every subscriber. */
   listen({ topic }) {
     this.ros.on(topic, (frame) => this.tell("message", topic, frame.msg));
   }

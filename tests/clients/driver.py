@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Clients that others wrote, each in a process of its own that takes commands.
+"""Clients that others wrote, each in a separate process that takes commands.
 
-The commands are the same for every library; `driver.mjs` and `roslibpy_driver.py` carry them out
+The commands are the same for every library. `driver.mjs` and `roslibpy_driver.py` carry them out
 by what the library offers to its users.
 """
 
@@ -27,7 +27,7 @@ _HERE = Path(__file__).parent
 
 
 class RefusedError(Exception):
-    """The library reports a failure; `reason` is what it hands to its user."""
+    """The library reports a failure. `reason` is the reason that its user gets."""
 
     def __init__(self, reason: Any) -> None:
         super().__init__(str(reason))
@@ -76,7 +76,7 @@ LIBRARIES = (ROSLIBPY_1, ROSLIBPY_2, ROSLIBPY_2_ASYNCIO, ROSLIB_1, ROSLIB_2)
 
 @dataclass(frozen=True)
 class Event:
-    """What a library told unasked: a message, a request, feedback, a warning ..."""
+    """An unrequested report of a library: a message, a request, feedback, a warning ..."""
 
     kind: str
     connection: str
@@ -86,7 +86,7 @@ class Event:
 
 @dataclass
 class Driver:
-    """A running library; any number of connections may be made with it."""
+    """A running library. Any number of connections may be made with it."""
 
     library: Library
     process: Process
@@ -96,7 +96,7 @@ class Driver:
     _numbers: Any = field(default_factory=lambda: itertools.count(1))
 
     def connection(self) -> "Connection":
-        """Name a connection; `connect` makes it."""
+        """Name a connection, which `connect` makes."""
         name = f"{self.library.name}_{self.process.pid}_{next(self._numbers)}"
         return Connection(self, name)
 
@@ -169,7 +169,7 @@ class Connection:
         return f"/{self.name}/{name}"
 
     async def do(self, command: str, **arguments: Any) -> Any:
-        """Carry out a command on this connection; see `Driver.do`."""
+        """Carry out a command on this connection. See `Driver.do`."""
         return await self.driver.do(self.name, command, **arguments)
 
     async def connect(
@@ -186,7 +186,7 @@ class Connection:
         await self.do("close")
 
     async def subscribe(self, topic: str, type_name: str, **options: Any) -> None:
-        """Subscribe; messages are events."""
+        """Subscribe. Messages are events."""
         await self.do("subscribe", topic=topic, type_name=type_name, options=options)
 
     async def publish(self, topic: str, type_name: str, message: Any, **options: Any) -> None:
@@ -206,19 +206,19 @@ class Connection:
     async def call(
         self, service: str, type_name: str, args: Any, *, timeout_s: float | None = None
     ) -> Any:
-        """Call a service; roslib 2 alone tells the gateway of the *timeout_s*."""
+        """Call a service. Only roslib 2 sends the *timeout_s* to the gateway."""
         about = {"service": service, "type_name": type_name, "args": args}
         return await self.do("call_service", **about, timeout=timeout_s)
 
     async def provide(
         self, service: str, type_name: str, values: Any, *, succeeds: bool = True
     ) -> None:
-        """Provide a service that answers always the same; requests are events."""
+        """Provide a service whose answer is always the same. Requests are events."""
         about = {"service": service, "type_name": type_name}
         await self.do("advertise_service", **about, values=values, result=succeeds)
 
     async def send_goal(self, action: str, type_name: str, goal: Any) -> str:
-        """Send a goal and return its id; feedback, result and failure are events."""
+        """Send a goal and return its id. Feedback, result and failure are events."""
         return str(await self.do("send_goal", action=action, type_name=type_name, goal=goal))
 
     async def ask(self, question: str, *args: Any) -> Any:

@@ -31,7 +31,7 @@ class Robot:
         self._ends: list[Callable[[], object]] = []
 
     def publish(self, topic: str, *messages: Any) -> None:
-        """Publish on a topic of its own; the last message reaches late subscribers, too."""
+        """Publish on a separate topic. The last message also reaches late subscribers."""
         publisher = self.node.create_publisher(type(messages[0]), topic, LATCHED)
         self._ends.append(lambda: self.node.destroy_publisher(publisher))
         for message in messages:
@@ -45,7 +45,7 @@ class Robot:
         return heard
 
     def serve(self, service_class: type, name: str, handle: Callable[[Any, Any], Any]) -> None:
-        """Provide a service; *handle* may be a coroutine function, and then wait."""
+        """Provide a service. *handle* may be a coroutine function, and then wait."""
         service = self.node.create_service(
             service_class,
             name,
@@ -82,7 +82,7 @@ class Robot:
         return server.ended
 
     async def action_client(self, name: str) -> ActionClient:
-        """Return a client of somebody else's Fibonacci once that is there."""
+        """Return a client of another node's Fibonacci once that is there."""
         client = LockedActionClient(self.node, Fibonacci, name)
         self._ends.append(client.destroy)
         await eventually(client.server_is_ready)

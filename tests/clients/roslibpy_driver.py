@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Drives roslibpy, 1.8 or 2.x, as `driver.mjs` drives roslib: the same commands and events.
 
-Started with the version to drive on `PYTHONPATH`; not imported by any test.
+Started with the version to drive on `PYTHONPATH`. Not imported by any test.
 """
 
 import json
@@ -50,7 +50,7 @@ class Answer:
         say(n=self._number, failure=reason)
 
     def of(self, call: Callable[[], Any]) -> None:
-        """Answer with what a blocking call returns, in a thread of its own."""
+        """Answer with what a blocking call returns, in a separate thread."""
 
         def run() -> None:
             try:
@@ -96,7 +96,7 @@ class Ros(roslibpy.Ros):  # type: ignore[misc]  # of a library without types
 class Connection:
     """One connection, and what was made on it, each by its name.
 
-    A command returns whether it has been carried out; else *answer* is given when it has.
+    A command returns whether it has been carried out. Otherwise *answer* is given when it has.
     """
 
     def __init__(self, name: str) -> None:

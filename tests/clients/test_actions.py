@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Actions, both ways, by the native interfaces of the libraries that have one.
 
-roslib 1 and roslibpy 1 know the actions of ROS 1 alone; no version of roslibpy provides one.
+roslib 1 and roslibpy 1 know the actions of ROS 1 alone. No version of roslibpy provides one.
 """
 
 from typing import Any
@@ -42,7 +42,7 @@ async def send(client: Connection, action: str, order: int, type_name: str = FIB
 
 
 def sequence_of(client: Connection, value: Any) -> list[int]:
-    """Return what a result holds: roslibpy hands out the status beside the values."""
+    """Return what a result holds: roslibpy hands out the status next to the values."""
     values = value if client.library.is_javascript else value["values"]
     return list(values["sequence"])
 

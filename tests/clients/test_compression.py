@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is not plain JSON: CBOR, PNG and fragments, which roslib alone takes."""
+"""Encodings other than plain JSON: CBOR, PNG, and fragments, which only roslib accepts."""
 
 import json
 

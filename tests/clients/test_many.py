@@ -58,9 +58,7 @@ async def test_a_client_that_is_killed_leaves_nothing(
         await eventually(lambda: not robot.knows_service(service))
 
 
-async def test_what_robots_asked_of_a_client_that_is_killed_is_answered(
-    gateway: GatewayProcess, robot: Robot
-):
+async def test_requests_to_a_killed_client_are_answered(gateway: GatewayProcess, robot: Robot):
     async with driver(ROSLIB_2) as running:
         client = running.connection()
         service, action = client.own("silent"), client.own("fibonacci")

@@ -28,7 +28,7 @@ async def there(client: Connection, settings: Node) -> Node:
 
 
 def reads_reasons(client: Connection) -> bool:
-    """Tell whether the library looks at ``successful``; the others take any answer for success."""
+    """Return whether the library reads ``successful``. The others take any answer for success."""
     return client.library == ROSLIB_2
 
 
@@ -46,7 +46,7 @@ async def test_a_parameter_is_read(client: Connection, there: Node, name: str, v
     async def is_read() -> bool:
         with contextlib.suppress(RefusedError):
             read.append(await client.do("get_param", name=f"/settings:{name}"))
-        return read[-1:] not in ([], [None])  # where a busy node took longer than the gateway waits
+        return read[-1:] not in ([], [None])  # if a busy node took longer than the gateway waits
 
     await until(is_read)
     assert read[-1] == value

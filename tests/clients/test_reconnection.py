@@ -56,4 +56,4 @@ async def test_a_restart_of_the_gateway_is_survived(library: Driver, robot: Robo
         if provides:
             assert await robot.call(SetBool, service, data=True) == SetBool.Response()
         await client.close()
-    library.events.clear()  # with its warnings of the connections that were refused meanwhile
+    library.events.clear()  # with its warnings of the connections that were refused in the meantime

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the libraries are told of, unasked: roslibpy takes every status for an error of its own."""
+"""Unrequested statuses of the libraries: roslibpy takes every status for its own error."""
 
 import pytest
 from std_msgs.msg import String
@@ -25,7 +25,7 @@ async def test_a_mistake_is_told_of(client: Connection):
     assert client.driver.take("warning")
 
 
-async def test_what_happens_on_its_topics_and_services_is_not_told(
+async def test_events_of_its_topics_and_services_are_not_reported(
     client: Connection, gateway: GatewayProcess, robot: Robot
 ):
     topic, service = client.own("camera_state"), client.own("own")

@@ -14,14 +14,14 @@ STRING = "std_msgs/String"
 pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 
-async def test_what_a_robot_publishes_reaches_a_client(client: Connection, robot: Robot):
+async def test_messages_of_a_robot_reach_a_client(client: Connection, robot: Robot):
     topic = client.own("out")
     robot.publish(topic, String(data="grüße"))
     await client.subscribe(topic, STRING)
     assert await client.next("message", topic) == {"data": "grüße"}
 
 
-async def test_what_a_client_publishes_reaches_a_robot(client: Connection, robot: Robot):
+async def test_messages_of_a_client_reach_a_robot(client: Connection, robot: Robot):
     topic = client.own("in")
     heard = robot.hear(Twist, topic)
     await client.is_awaited(topic)

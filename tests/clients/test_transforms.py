@@ -103,7 +103,7 @@ async def follows_frames(
         while (await client.next("transform", base.laser))["translation"]["x"] != 3.5:
             pass
         await client.do("dispose", kind=kind)
-        # what was disposed of is not sent any more, though its client is still connected
+        # a disposed transform is not sent any more, though its client is still connected
         await until(lambda: has_ended(gateway))
 
 

@@ -23,7 +23,7 @@ COMPILER = INSTALLED / "typescript-5.9.3/node_modules/typescript/bin/tsc"
 TIMEOUT_S = 500
 NOW_NS = 1_700_000_000_123_456_789
 
-# What an application with roslib 2 writes.
+# The code of an application with roslib 2.
 APPLICATION = """\
 import { Action, Ros, Service, Topic } from "roslib";
 import type * as geometry_msgs from "./geometry_msgs.js";
@@ -69,7 +69,7 @@ def definitions(tmp_path_factory):
 
 
 def compiled(folder, *sources, module="nodenext"):
-    """Compile files without output; return what the compiler says, empty if all is well."""
+    """Compile files without output. Return the output of the compiler, empty if all is well."""
     resolution = "bundler" if module == "esnext" else module
     (folder / "package.json").write_text('{"type": "module"}')
     finished = subprocess.run(
@@ -115,7 +115,7 @@ def constant_of(name, number, value):
     return f"export const m{number}: ros.{identifier(package)}.{short_name} = {value};\n"
 
 
-def test_what_the_gateway_sends_of_every_type_fits_its_interface(definitions, tmp_path):
+def test_messages_of_every_type_fit_its_interface(definitions, tmp_path):
     messages = "".join(
         constant_of(name, number, as_sent(definitions, name, number))
         for number, name in enumerate(names_of_messages(definitions))
@@ -134,7 +134,7 @@ def test_what_the_gateway_sends_of_every_type_fits_its_interface(definitions, tm
         ({"linear": "fast", "angular": {"x": 0, "y": 0, "z": 0}}, "'string' is not assignable"),
     ],
 )
-def test_what_does_not_fit_is_found(definitions, tmp_path, value, reason):
+def test_a_message_that_does_not_fit_is_found(definitions, tmp_path, value, reason):
     line = constant_of("geometry_msgs/msg/Twist", 0, json.dumps(value))
     made = {
         "all.ts": text(request_of_everything(definitions)),

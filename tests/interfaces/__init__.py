@@ -24,7 +24,7 @@ HOW: Final = (
 )
 
 _CACHE: Final = FOLDER.parents[1] / ".cache/interfaces"
-# what the built code depends on beside the definitions and the interpreter
+# the built code depends on these, on the definitions, and on the interpreter
 _GENERATORS: Final = ("ros-rosidl-generator-py", "ros-rosidl-typesupport-fastrtps-c", "numpy")
 
 
@@ -46,7 +46,7 @@ def prefix() -> Path | None:
 
 
 def use() -> None:
-    """Let this process and those that it starts find what was built; call it before rclpy."""
+    """Let this process and its children find the built packages. Call it before rclpy."""
     built = prefix()
     if built is None or not built.is_dir():
         return

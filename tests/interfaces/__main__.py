@@ -13,7 +13,7 @@ from tests.interfaces import SOURCES, prefix
 
 
 def main() -> int:
-    """Build what is not built; without a compiler say so, and let the tests be skipped."""
+    """Build missing packages. Without a compiler, say so, and let the tests be skipped."""
     target = prefix()
     if target is None or target.is_dir():
         return 0
@@ -30,7 +30,7 @@ def main() -> int:
         with contextlib.redirect_stdout(io.StringIO()):  # rosidl tells of every file
             for package, source in SOURCES.items():
                 build(package, source, built)
-        if not target.is_dir():  # somebody else may have been faster
+        if not target.is_dir():  # another process may have been faster
             built.rename(target)
     return 0
 

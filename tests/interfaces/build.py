@@ -2,8 +2,8 @@
 # mypy: disable-error-code="import-untyped"
 """Build a ROS interface package with the generators of the wheels and gcc, without colcon or CMake.
 
-A package becomes one Python extension and two libraries beside it. rmw asks for these two by name,
-long after Python has loaded them with the extension: so the library path stays as it is.
+A package becomes one Python extension and two libraries next to it. rmw asks for these two by name,
+long after Python has loaded them with the extension. So the library path stays as it is.
 """
 
 import json
@@ -33,7 +33,7 @@ _INTROSPECTION: Final = "rosidl_typesupport_introspection_c"
 _DISPATCH: Final = "rosidl_typesupport_c"
 _WHEELS: Final = Path(sys.prefix)
 _INCLUDED: Final = re.compile(r'#include "(\w+)/(?:msg|srv|action)/')
-# -w: warnings are the generators' business; the headers ask for the macro
+# -w: warnings are the generators' business, and the headers ask for the macro
 _COMPILE: Final = ("-O1", "-fPIC", "-w", "-DRCUTILS_ENABLE_FAULT_INJECTION=0")
 _RUNTIME: Final = (
     *(_FAST, "rosidl_typesupport_fastrtps_cpp", _INTROSPECTION, _DISPATCH),
@@ -61,7 +61,7 @@ _GENERATORS: Final = (
 
 
 def build(package: str, source: Path, prefix: Path) -> None:
-    """Build the package whose definitions lie in *source*; add it to ``share`` and ``python``.
+    """Build the package whose definitions lie in *source*. Add it to ``share`` and ``python``.
 
     Raises:
         subprocess.CalledProcessError: gcc refuses.
@@ -91,7 +91,7 @@ def build(package: str, source: Path, prefix: Path) -> None:
 
 
 def _generate(package: str, share: Path, trees: dict[str, Path]) -> None:
-    """Write the code, and beside the definitions in *share* their REP-2011 descriptions."""
+    """Write the code, and REP-2011 descriptions next to the definitions in *share*."""
     written = [path for kind in _KINDS for path in sorted(share.glob(f"{kind}/*.idl"))]
     converted = [path for kind in _KINDS for path in sorted(share.glob(f"{kind}/*.{kind}"))]
     found = [*written, *converted]
@@ -157,7 +157,7 @@ def _dependencies(package: str, trees: dict[str, Path]) -> list[str]:
 
 
 def _link(target: Path, files: Sequence[Path], libraries: Sequence[str]) -> None:
-    """Link a library that finds its neighbours beside it."""
+    """Link a library that finds its neighbours next to it."""
     names = [f"-l{name}" for name in (*libraries, *_RUNTIME)]
     beside = f"-Wl,-soname,{target.name},-rpath,$ORIGIN,--no-as-needed"
     _call("g++", "-shared", beside, "-o", target, *files, f"-L{_WHEELS / 'lib'}", *names)

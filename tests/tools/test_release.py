@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `make release` checks before it builds."""
+"""The checks of `make release` before it builds."""
 
 import json
 import shutil

@@ -12,7 +12,9 @@ MAX_WORDS_OF_A_CELL = 25
 MAX_WORDS_OF_A_PARAGRAPH = 90
 MAX_CHARACTERS_OF_A_LINE = 120
 
-# What to avoid, and what to write.
+# After "of its own" a noun is fine: "classes of your own types".
+_NOUN = r"(?!(?:and|as|at|by|for|from|if|in|is|on|or|so|that|to|too|when|which|while|with)\b)[a-z]"
+# Words to avoid, and words to use instead.
 AVOIDED = (
     (r"anew", "again, from scratch"),
     (r"for ever", "forever"),
@@ -23,7 +25,7 @@ AVOIDED = (
     (r"beside", "next to, in addition to, except"),
     (r"but for", "except, except for"),
     (r"any longer", "no longer, still"),
-    (r"of (?:its|their|your|his|our|my|one's) own|of yours", "its, their, your, a separate"),
+    (rf"of (?:its|their|your|his|our|my|one's) own(?! {_NOUN})|of yours", "its, your, a separate"),
     (r"some(?= \d+)", "about"),
     (r"(?:is|are|was|were) none", "is missing, is not available"),
     (
