@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The `status` frames that a client gets, by what it has sent."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Final
 
-from gateway.codec.error_text import MAX_ECHO, misspelt, suggestion
-from gateway.protocol.errors import Level
+from gateway.codec.error_text import MAX_ECHO, misspelt, suggestion, truncate
+from gateway.protocol.errors import Level, ProtocolError
 from gateway.protocol.messages import SEVERITY
 from gateway.protocol.operations import OPERATIONS, rosbridge
 
@@ -17,6 +17,9 @@ _KNOWN: Final[Mapping[str, frozenset[str]]] = {
     op: rosbridge.KEYS.get(op, frozenset({"op"})) | model.model_fields.keys()
     for op, model in OPERATIONS.items()
 }
+
+# They act by defaults without `args`: SetBool would switch off what somebody wanted to switch on.
+_WITH_ARGUMENTS: Final = frozenset({"call_service", "send_action_goal"})
 
 
 class Dialect:
@@ -48,11 +51,16 @@ class Dialect:
         """Look at the keys of a known operation; return a text on those that are misspelt.
 
         It takes 0.2 us for an operation whose keys say nothing new.
+
+        Raises:
+            ProtocolError: the arguments of a call or a goal are under another key than `args`.
         """
         silent = self._silent.get(op, _NO_KEYS)
         if silent.issuperset(values):
             return ""
         unknown = [key for key, value in values.items() if key not in silent and value is not None]
+        if op in _WITH_ARGUMENTS and values.get("args") is None:
+            _refuse_arguments(op, unknown, values)
         text = "; ".join(filter(None, (self._compare(op, key, values) for key in unknown)))
         is_own = op not in rosbridge.KEYS or any(key in _KNOWN[op] for key in unknown)
         if not self._is_chosen and (text or is_own):
@@ -71,3 +79,10 @@ class Dialect:
         self._compared.add((op, key))
         near = misspelt(key, _KNOWN[op] - values.keys())
         return f"{key}: unknown, and ignored{suggestion(near)}" if near else ""
+
+
+def _refuse_arguments(op: str, unknown: Iterable[str], values: Mapping[str, object]) -> None:
+    for key in unknown:
+        if key not in _KNOWN[op] and isinstance(values[key], dict | list):
+            text = f"{truncate(key)}: unknown, and {op} has no args; did you mean args?"
+            raise ProtocolError("bad_request", text)

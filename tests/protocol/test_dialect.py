@@ -4,6 +4,7 @@ import tracemalloc
 import pytest
 
 from gateway.protocol.dialect import Dialect
+from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations import OPERATIONS, rosbridge
 
 OWN = [
@@ -90,3 +91,23 @@ def test_a_long_key_is_not_kept():
         assert tracemalloc.get_traced_memory()[0] < 10_000
     finally:
         tracemalloc.stop()
+
+
+@pytest.mark.parametrize("op", ["call_service", "send_action_goal"])
+@pytest.mark.parametrize("key", ["agrs", "request", "goal", "k" * 300])
+@pytest.mark.parametrize("value", [{"data": True}, [True]])
+def test_arguments_under_another_key_are_refused_each_time(op, key, value):
+    """A call that acts by defaults would switch off what somebody wanted to switch on."""
+    dialect = Dialect()
+    for _ in range(2):
+        with pytest.raises(ProtocolError, match="did you mean args") as refused:
+            dialect.note(op, {"op": op, key: value})
+        assert len(str(refused.value)) < 200
+
+
+@pytest.mark.parametrize("op", ["call_service", "send_action_goal"])
+def test_an_unknown_object_beside_args_is_ignored(op):
+    dialect = Dialect()
+    assert dialect.note(op, {"op": op, "args": {}, "meta": {"a": 1}}) == ""
+    assert dialect.note(op, {"op": op, "comment": "a text"}) == ""
+    assert dialect.note("publish", {"op": "publish", "meta": {"a": 1}}) == ""
