@@ -8,6 +8,7 @@ import sys
 from typing import NoReturn
 
 from gateway.cli.main import main
+from gateway.cli.output import open_closed_streams
 
 
 def run() -> NoReturn:
@@ -17,6 +18,7 @@ def run() -> NoReturn:
     would wait for their threads. That takes 0.5 s, and several seconds on a busy machine. A service
     manager that sends SIGTERM may not wait so long.
     """
+    open_closed_streams()
     code = main()
     logging.shutdown()
     for stream in (sys.stdout, sys.stderr):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Standard output, which may be a closed pipe or a full disk."""
+"""Standard output, which may be closed at the start, a closed pipe, or a full disk."""
 
 import contextlib
 import os
@@ -7,6 +7,20 @@ import sys
 from typing import TextIO
 
 from gateway.errors import system_reason
+
+
+def open_closed_streams() -> None:
+    """Open to nowhere each standard stream that the parent has closed.
+
+    Otherwise the next file or socket gets its number, and whoever prints writes into that.
+    """
+    for number, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
+        if getattr(sys, name) is None:
+            nowhere = os.open(os.devnull, os.O_RDWR)
+            if nowhere != number:
+                os.dup2(nowhere, number)
+                os.close(nowhere)
+            setattr(sys, name, os.fdopen(number, mode))
 
 
 def announce(text: str) -> None:
