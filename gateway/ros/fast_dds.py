@@ -23,6 +23,8 @@ _OF_2: Final = (
 _GATEWAYS: Final = Path(__file__).with_name("fastdds2_profile.xml")
 # A generation refuses a whole file for one word of the other's.
 _GATEWAYS_OF_3: Final = Path(__file__).with_name("fastdds3_profile.xml")
+QUIET: Final = Path(__file__).with_name("fastdds_quiet_profile.xml")
+"""A profile for both generations, with which nothing is reported."""
 
 
 @contextlib.contextmanager

@@ -5,6 +5,9 @@ Each participant writes its samples into a segment of its own (0.5 MB; more for 
 holds a lock on a file beside it. A participant that ends removes both. What a killed one leaves is
 removed by another one that has received from it; without any, it stays until the machine restarts
 or somebody calls ``fastdds shm clean``.
+
+A process that is killed while it writes to another one, or reads, keeps the mutex of that port.
+Fast DDS waits 1 s for it before it gives up (``BOOST_INTERPROCESS_TIMEOUT_WHEN_LOCKING``).
 """
 
 import contextlib
@@ -12,7 +15,9 @@ import fcntl
 import logging
 import os
 import re
+import resource
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
@@ -45,6 +50,21 @@ def remove_abandoned_segments(folder: Path = FOLDER) -> int:
         segments = counted(removed, "segment")
         _logger.info("removed %s of shared memory that killed programs left", segments)
     return removed
+
+
+@contextlib.contextmanager
+def without_shared_memory() -> Iterator[None]:
+    """Keep Fast DDS from creating shared memory for the participants of this context.
+
+    They send and receive by UDP alone. A profile cannot say so, because rmw chooses the transports
+    itself for the discovery range LOCALHOST. So no file can grow meanwhile, whoever writes it.
+    """
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 def check_room(folder: Path = FOLDER) -> None:

@@ -17,14 +17,19 @@ from gateway.ros.errors import REFUSALS, refused, remapped
 from gateway.ros.groups import group_of_one
 from gateway.ros.interfaces import message_class
 from gateway.ros.name_checks import check_topic
+from gateway.ros.shared_memory import without_shared_memory
 
 
 class StandAlone:
-    """One participant with one node; nothing spins it. A context manager."""
+    """One participant with one node; nothing spins it. A context manager.
+
+    It has no shared memory. Another process may have been killed with the mutex of a reader's port,
+    and what is sent after that would reach the reader a second later.
+    """
 
     def __init__(self, name: str, namespace: str, domain_id: int | None) -> None:
         self._context = Context()
-        with fast_dds.profile():
+        with fast_dds.profile(fast_dds.QUIET, fast_dds.QUIET), without_shared_memory():
             arguments = ["--ros-args", "--disable-stdout-logs", "--disable-external-lib-logs"]
             self._context.init(args=arguments, domain_id=domain_id)
             self._node = Node(

@@ -16,6 +16,7 @@ from gateway.ports import Sample
 from gateway.ros.graph import read_readers
 from schemas.installed import InstalledDefinitions
 from tests.client import TIMEOUT_S, eventually
+from tests.e2e.faults.processes import segments_of
 from tests.ros.outside import Outside
 
 TOPIC = "/cmd_vel"
@@ -100,3 +101,12 @@ async def test_a_guard_is_ready_once_every_reliable_listener_has_a_zero(outside:
         guard.prove(TOPIC, 0, "")
         await eventually(lambda: states == ["prepared", "ready"])
         await eventually(lambda: bool(heard))
+
+
+async def test_it_has_no_shared_memory() -> None:
+    """A gateway that is killed may keep the mutex of a robot's port in shared memory for 1 s."""
+    async with guard_process() as guard:
+        guard.start()
+        await eventually(lambda: guard.is_ready)
+        assert guard.pid is not None
+        assert segments_of(guard.pid) == set()
