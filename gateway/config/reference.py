@@ -2,6 +2,7 @@
 """The reference of all settings, as Markdown."""
 
 import inspect
+import re
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 from operator import attrgetter
@@ -9,6 +10,7 @@ from operator import attrgetter
 from gateway.config.model import Config
 from gateway.config.settings import Setting, settings, toml_value
 
+_EXAMPLE = re.compile(r"(?<!\S)(\S*[*/]\S*?)(?=,?(?:\s|$))")  # Markdown would change it
 _HEAD = "| Setting | Default | Values | What it does |\n|---|---|---|---|"
 
 
@@ -36,4 +38,5 @@ def _table(group: Iterable[Setting]) -> str:
 def _row(setting: Setting) -> str:
     default = setting.field.default
     shown = "unset" if default is None else f"`{toml_value(default)}`"
-    return f"| `{setting.key}` | {shown} | {setting.expectation} | {setting.description} |"
+    values = _EXAMPLE.sub(r"`\1`", setting.expectation)
+    return f"| `{setting.key}` | {shown} | {values} | {setting.description} |"
