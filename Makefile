@@ -79,6 +79,7 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 	$(BIN)/python -m tools.errors_page
 	@page=$$($(BIN)/python -m tools.mutants --page) && printf '%s\n' "$$page" > docs/contributing/mutants.md
 	$(BIN)/python -m tools.reference_pages
+	@$(BIN)/python tools/check_words.py --update
 
 site: $(READY_FOR_TESTS) $(CLIENTS) ## build the site of the documentation into build/site, ten seconds, without a network
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict $(ARGS)

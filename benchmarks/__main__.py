@@ -33,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if unknown:
         parser.error(f"unknown WHAT: {', '.join(unknown)} (there are: {', '.join(SCENARIOS)})")
     if (options.beside is None) != (options.beside_port is None):
-        parser.error("--beside and --beside-port go together")
+        parser.error("--beside needs --beside-port, and the other way round: give both")
     if options.json is not None:  # now rather than after all measurements
         if not options.json.parent.is_dir():
             parser.error(f"--json {options.json}: there is no directory {options.json.parent}")
@@ -75,7 +75,7 @@ def _run(options: argparse.Namespace, plan: Plan, stored: list[Figure] | None) -
     verdicts = figures.compare(stored, measured, lambda name: _measure(name, plan))
     if not verdicts:
         raise BenchmarkError(f"{options.compare} holds no ratio of what was measured")
-    print(f"\nratios beside {options.compare}, worse from {figures.TOLERANCE:.0%} on")
+    print(f"\nratios compared with {options.compare}, worse from {figures.TOLERANCE:.0%} on")
     print(figures.table(verdicts))
     return _FAILED if any(one.word == "WORSE" for one in verdicts) else 0
 
@@ -93,7 +93,7 @@ def _plan(options: argparse.Namespace) -> Plan:
         except ValueError as error:
             raise BenchmarkError(f"--beside {options.beside}: {error}") from None
         if not command:
-            raise BenchmarkError("--beside names no command")
+            raise BenchmarkError("--beside is empty: name a command")
         require_free(options.beside_port)
         servers.append(MeasuredServer("other", command, options.beside_port))
     brief = options.quick
@@ -113,23 +113,23 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks",
         description=__doc__,
-        epilog=f"WHAT, and about how long it takes (all of it by default):\n{kinds}",
+        epilog=f"values of WHAT, and about how long each takes (all of them by default):\n{kinds}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = parser.add_argument
-    add("what", nargs="*", metavar="WHAT", help="what to measure; see below")
-    add("--rounds", type=_positive(int), help="of which figures are medians (3)")
+    add("what", nargs="*", metavar="WHAT", help="names of measurements, see below")
+    add("--rounds", type=_positive(int), help="number of rounds, of which figures are medians (3)")
     add("--seconds", type=_positive(float), help="of each measurement (6)")
     add("--quick", action="store_true", help="1 round of 2 s, and no search for highest rates")
-    add("--json", type=Path, metavar="FILE", help="write the figures there, too")
+    add("--json", type=Path, metavar="FILE", help="also write the figures to this file")
     add(
         "--compare",
         metavar="REF",
         help="compare ratios with stored ones, a file or a name in benchmarks/reference, and exit"
-        f" with 1 if any is worse; measures {', '.join(COMPARED)} by default, no highest rates",
+        f" with 1 if any is worse. Measures {', '.join(COMPARED)} by default, and no highest rates",
     )
     add("--beside", metavar="COMMAND", help="another rosbridge server to measure in the same run")
-    add("--beside-port", type=_positive(int), metavar="PORT", help="where that one listens")
+    add("--beside-port", type=_positive(int), metavar="PORT", help="the port of that server")
     return parser
 
 

@@ -50,7 +50,7 @@ def _unity(_: Plan) -> list[Figure]:
 
 SCENARIOS: Final[dict[str, Scenario]] = {
     name: Scenario(
-        f"at {sample.rate_hz:g} Hz beside a bare rclpy subscriber, and the highest rates held",
+        f"at {sample.rate_hz:g} Hz next to a bare rclpy subscriber, and the highest rates held",
         "3 min",
         partial(beside_floor.measure, name),
     )
@@ -63,22 +63,22 @@ SCENARIOS: Final[dict[str, Scenario]] = {
     "inbound": Scenario("from a client into ROS", "2 min", inbound.measure),
     "first-frame": Scenario("from subscribe to the first frame", "1 min", first_frame.measure),
     "slow-client": Scenario(
-        "one client that reads nothing, or slowly, beside 3 that read",
+        "one client that reads nothing, or slowly, next to 3 that read",
         "2.5 min",
         slow_client.measure,
     ),
     "links": Scenario("slow links: how old is what arrives", "11 min", links.measure),
-    "giant": Scenario("Odometry beside messages of 16 MB", "3 min", giant.measure),
+    "giant": Scenario("Odometry next to messages of 16 MB", "3 min", giant.measure),
     "start-up": Scenario("from start to the first handshake", "15 s", start_up.measure),
     "idle": Scenario("60 subscriptions to silent topics", "40 s", idle.measure),
     "one-more": Scenario(
         "one more subscription, advertisement and connection", "1 min", one_more.measure
     ),
     "growth": Scenario("cost by rate, clients, idle topics and uptime", "5 min", growth.measure),
-    "floods": Scenario("a driver and a stop beside 8 clients that flood", "2 min", floods.measure),
+    "floods": Scenario("a driver and a stop next to 8 clients that flood", "2 min", floods.measure),
     "hostile": Scenario("the frames that hold the event loop longest", "1 min", hostile.measure),
     "turns": Scenario("the longest turn of the loop for large frames", "1 min", turns.measure),
-    "steps": Scenario("where the time goes, for Odometry and Image", "8 min", steps.measure),
+    "steps": Scenario("the cost of each step, for Odometry and Image", "8 min", steps.measure),
     "codec": Scenario(
         "CDR to JSON and to CBOR, and deflated, without a network", "20 s", codec.measure
     ),

@@ -105,7 +105,7 @@ def read(reference: str) -> list[Figure]:
             f"no stored figures {reference}: neither a file nor a name (there are: {known})"
         ) from None
     except (ValueError, TypeError):
-        raise BenchmarkError(f"{path} holds no figures; write them by --json") from None
+        raise BenchmarkError(f"{path} has no figures: write them with --json") from None
 
 
 def _confirmed(first: Verdict, second: dict[tuple[str, str], float]) -> Verdict:

@@ -85,7 +85,7 @@ def main() -> None:
         references=[package.compiled("Ros2Gateway.Core", package.STANDALONE)],
     )
     messages = _messages()
-    print("\nThe Unity client under Mono: us of CPU to read a message, new and filled anew")
+    print("\nThe Unity client under Mono: us of CPU to read a message, new and filled again")
     for message in messages:
         for wire in _WIRES:
             result = _read(program, message, wire)

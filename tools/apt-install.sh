@@ -7,7 +7,7 @@ set -eu
 what=$1
 shift
 if [ "$(id -u)" != 0 ] || ! command -v apt-get >/dev/null; then
-    echo "$what will be skipped; to run them: apt-get install $*"
+    echo "$what will be skipped. To run them: apt-get install $*"
     exit 0
 fi
 echo "installing $* ..."

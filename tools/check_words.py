@@ -146,7 +146,7 @@ def show_summary(root: Path, names: Iterable[str]) -> None:
 def main() -> int:
     """Run the command line. Return the exit code."""
     parser = argparse.ArgumentParser(description="Check the words that people read.")
-    parser.add_argument("paths", nargs="*", metavar="PATH", help="a file or directory; default all")
+    parser.add_argument("paths", nargs="*", metavar="PATH", help="a file or directory (all)")
     parser.add_argument("--summary", action="store_true", help="print figures instead of faults")
     parser.add_argument("--update", action="store_true", help=f"lower the counts in {RECORD}")
     parser.add_argument("--initial", action="store_true", help="with --update: write all counts")

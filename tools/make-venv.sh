@@ -20,7 +20,7 @@ if [ -z "$python" ]; then
     done
 fi
 if [ -z "$python" ] || ! fits "$python"; then
-    echo "need Python 3.11 to 3.14, found ${python:-none}; on Debian or Ubuntu:" >&2
+    echo "need Python 3.11 to 3.14, found ${python:-none}. On Debian or Ubuntu, run:" >&2
     echo "  sudo apt install python3 python3-venv" >&2
     exit 1
 fi
@@ -33,7 +33,7 @@ elif command -v uv >/dev/null; then
 elif command -v virtualenv >/dev/null; then
     virtualenv --quiet --python "$python" "$directory"
 else
-    echo "$python cannot make virtual environments; on Debian or Ubuntu:" >&2
+    echo "$python cannot make virtual environments. On Debian or Ubuntu, run:" >&2
     echo "  sudo apt install python3-venv" >&2
     exit 1
 fi

@@ -17,7 +17,7 @@ export PIP_RETRIES="${PIP_RETRIES:-1}"
 
 if grep -qE "connection broken|connection error|Max retries exceeded|timed out" "$log"; then
     echo "no network: pip cannot reach its package index, so nothing is installed." >&2
-    echo "Connect this machine, or name an index or a proxy by PIP_INDEX_URL or HTTPS_PROXY. Then run make again." >&2
+    echo "Connect this machine, or name an index or a proxy in PIP_INDEX_URL or HTTPS_PROXY. Then run make again." >&2
 else
     cat "$log.errors" >&2
 fi

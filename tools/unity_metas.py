@@ -101,7 +101,7 @@ _IMPORTERS: Final = {
 
 def main(arguments: list[str] | None = None) -> int:
     """Write missing metas and remove orphans, or with ``--check`` report errors."""
-    parser = argparse.ArgumentParser(description="Keep a .meta beside every asset.")
+    parser = argparse.ArgumentParser(description="Keep a .meta next to every asset.")
     parser.add_argument("--check", action="store_true", help="change nothing, exit 1 if needed")
     check = parser.parse_args(arguments).check
     problems = list(wrong(PACKAGE) if check else update(PACKAGE))

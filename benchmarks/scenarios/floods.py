@@ -34,7 +34,7 @@ class Drive:
 
 def measure(plan: Plan) -> list[Figure]:
     """Print a table and return the figures."""
-    print(f"a driver at 20 Hz, and {_STOPS} stops, beside {_CLIENTS} clients that flood")
+    print(f"a driver at 20 Hz, and {_STOPS} stops, next to {_CLIENTS} clients that flood")
     print(f"  {'':16}{'':15}{'stop ms':>9}{'most':>7}{'through':>9}{'gap ms':>8}  refused")
     return [
         figure

@@ -27,7 +27,7 @@ _TIMEOUT_S: Final = 120.0
 
 def measure(plan: Plan) -> list[Figure]:
     """Print a table and return the figures."""
-    print(f"{_SAMPLE} at {_RATE_HZ:g} Hz beside messages of 16 MB, ms")
+    print(f"{_SAMPLE} at {_RATE_HZ:g} Hz next to messages of 16 MB, ms")
     print(f"  {'':16}{'beside':14}{'p50':>8}{'p99':>8}{'max':>8}{'lost':>8}", end="")
     print(f"{'MB':>8}{'first, ms':>11}{'late, ms':>10}")
     figures: list[Figure] = []

@@ -73,7 +73,7 @@ def _by_bystanders(server: MeasuredServer, plan: Plan) -> list[Figure]:
             case = f"{_BYSTANDERS} idle topics beside"
             rounds.append((without, _load(server, case, _STEADY_HZ, 1, plan.seconds)))
     beside = statistics.median(many.us_per_frame / none.us_per_frame for none, many in rounds)
-    print(f"  {server.name:16}{beside:.2f} times the cost with {_BYSTANDERS} idle topics beside")
+    print(f"  {server.name:16}{beside:.2f} times the cost with {_BYSTANDERS} idle topics")
     return [ratio(_SCENARIO, f"{server.name}, CPU with idle topics beside that without", beside)]
 
 

@@ -83,5 +83,5 @@ def test_a_name_is_looked_up_among_the_stored_ones(tmp_path, monkeypatch):
 @pytest.mark.parametrize("text", ["{", "[1]", '[{"name":"x"}]', "5"])
 def test_a_file_without_figures_is_refused(tmp_path, text):
     (tmp_path / "some.json").write_text(text)
-    with pytest.raises(BenchmarkError, match="holds no figures"):
+    with pytest.raises(BenchmarkError, match="has no figures"):
         figures.read(str(tmp_path / "some.json"))

@@ -42,7 +42,7 @@ def main() -> int:
     parser.add_argument("--seconds", type=int, default=60, help="for each target")
     arguments = parser.parse_args()
     if unknown := set(arguments.targets) - set(known):
-        parser.error(f"no target named {', '.join(unknown)}; there are {', '.join(known)}")
+        parser.error(f"unknown target {', '.join(unknown)}: choose from {', '.join(known)}")
     wanted = arguments.targets or known
     failed = CONVERSATIONS in wanted and converse(arguments.seconds) != 0
     outcomes = [fuzz(name, arguments.seconds) for name in wanted if name != CONVERSATIONS]

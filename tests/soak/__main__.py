@@ -39,7 +39,7 @@ def main(arguments: list[str]) -> int:
         reason = isolation.reason_against()
         if reason is None:
             isolation.enter(arguments)
-        say(f"not in a network of its own: {reason}")
+        say(f"not in a separate network: {reason}")
         os.environ["ROS_DOMAIN_ID"] = str(dds_domain.claim())
     else:
         isolation.furnish()

@@ -200,7 +200,7 @@ def test_round_trips_are_not_judged_while_an_echo_gets_slower_too():
     ]
     clients = {name: listener(round_trips=trips) for name in (*GOOD, BAD_LINK, FROZEN)}
     [verdict] = [one for one in judge(record(clients=clients), strict=True) if one.word != HELD]
-    assert verdict.word == f"{NOT_JUDGED}: the echo got slower, too"
+    assert verdict.word == f"{NOT_JUDGED}: the echo also got slower"
 
 
 def test_a_short_soak_may_reserve_something_once():

@@ -149,7 +149,7 @@ def good_clients(record: Record) -> list[Verdict]:
         )
         word = HELD if not faults else FAILED
         if faults and control["missing"]:
-            word = f"{NOT_JUDGED}: the bare subscriber misses {control['missing']}, too"
+            word = f"{NOT_JUDGED}: the bare subscriber also misses {control['missing']}"
         verdicts.append(Verdict(f"numbers at {name}", figure, "none", word))
         ends = report["ends"]
         verdicts.append(
@@ -264,7 +264,7 @@ def round_trips(record: Record, *, strict: bool) -> Verdict:
     )
     word = HELD if after_s <= allowed_s else FAILED
     if word == FAILED and strict and echo_after_s > SLOWER * echo_before_s + SLOWER_S:
-        word = f"{NOT_JUDGED}: the echo got slower, too"
+        word = f"{NOT_JUDGED}: the echo also got slower"
     return Verdict("p99 of round trips, first to last", figure, f"{allowed_s * 1e3:.1f} ms", word)
 
 

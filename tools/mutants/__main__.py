@@ -98,7 +98,7 @@ def run(
     ):
         copies = Copies(root, Path(folder), jobs)
         paths = sorted({test.partition("::")[0] for mutant in mutants for test in mutant.tests})
-        report(f"{len(mutants)} mutants; first their tests without any: {len(paths)} files")
+        report(f"{len(mutants)} mutants, first their tests without any: {len(paths)} files")
         try:
             for checked in as_completed([pool.submit(_check, copies, path) for path in paths]):
                 checked.result()

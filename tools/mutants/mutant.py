@@ -128,7 +128,7 @@ def _mutant(
     tests = tuple(entry.get("tests") or own or [_mirror(file)])
     for test in tests:
         if not (root / test.partition("::")[0]).exists():
-            raise MutantError(f"{where}: there is no {test}; name its tests")
+            raise MutantError(f"{where}: there is no {test}, name its tests")
     if not (root / file).exists():
         raise MutantError(f"{where}: there is no such file")
     return Mutant(file, entry["rule"], entry["old"], entry["new"], tests, entry.get("survives"))
