@@ -51,7 +51,7 @@ NAV2 = ("SpeedLimit", "Particle")
 NOT_CONFIGURED = {
     "arguments",
     "taking",
-}  # for tests, and for who embeds the gateway
+}  # for tests, and for programs that embed the gateway
 
 
 def test_every_value_of_the_configuration_reaches_its_place():
@@ -89,7 +89,7 @@ async def test_no_traceback_if_the_server_closed_before_asyncio_accepts_again(
         loop.close()
 
 
-def test_that_no_client_can_connect_is_said_every_10_s(caplog: pytest.LogCaptureFixture):
+def test_refused_connections_are_logged_every_10_s(caplog: pytest.LogCaptureFixture):
     loop: Any = SimpleNamespace()
     errors = app._LoopErrors()
     said = []

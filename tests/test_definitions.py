@@ -8,7 +8,7 @@ from gateway.errors import ConfigError
 from tests.schemas.test_installed import write_definition
 
 
-def test_folders_and_what_is_shipped_are_known(tmp_path):
+def test_definitions_in_directories_and_shipped_ones_are_known(tmp_path):
     write_definition(tmp_path, "own_msgs/msg/Thing", "int8 x\n")
     names = known_definitions([tmp_path], "types.paths").names()
     assert {"own_msgs/msg/Thing", "tf2_msgs/msg/TFMessage", "rosapi_msgs/msg/TypeDef"} <= {*names}

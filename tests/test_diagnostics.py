@@ -23,7 +23,7 @@ TYPES = Types(InstalledDefinitions())
 
 
 class Bench:
-    """The publisher of /diagnostics, and what is heard of it. It works while `publishing`."""
+    """The publisher of /diagnostics, and its messages. It works while `publishing`."""
 
     def __init__(self, ros: FakeRos) -> None:
         self.ros = ros

@@ -10,7 +10,7 @@ from gateway.log_rate import ALL_BURST, ALL_EVERY_S, BURST, EVERY_S, LogRate
 
 
 class Log:
-    """A rate, its clock, and what passes."""
+    """A rate, its clock, and the lines that pass."""
 
     def __init__(self) -> None:
         self.now_s = 1000.0
@@ -96,7 +96,7 @@ def test_a_topic_is_a_source_too(log: Log):
     assert log.write(topic="/odom")
 
 
-def test_lines_that_nobody_outside_causes_all_pass(log: Log):
+def test_lines_that_no_client_causes_all_pass(log: Log):
     assert log.flood(1000) == 1000
     assert log.flood(1000, client="10.0.0.5#1", is_bounded=True) == 1000
 
@@ -109,7 +109,7 @@ def test_addresses_without_end_have_a_bound_together(log: Log):
     assert log.write("other kind", client="10.0.0.5#1")
 
 
-def test_one_address_cannot_use_up_what_all_have(log: Log):
+def test_one_address_cannot_use_up_the_limit_of_all(log: Log):
     log.flood(100_000, client="10.0.0.5#1")
     for _ in range(60):
         log.now_s += 1

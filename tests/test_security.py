@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The parts that decide who may connect, as the configuration opens and reloads them."""
+"""The parts that decide about access, as the configuration opens and reloads them."""
 
 import logging
 import ssl
@@ -64,7 +64,7 @@ def test_a_first_token_is_made_once_of_an_operator_and_kept_as_a_hash(path: Path
         assert security.authentication.identify(first, "a", 0.0).name == "first"
 
 
-def test_no_token_is_made_where_none_is_needed(path: Path):
+def test_no_token_is_created_if_clients_need_none(path: Path):
     with open_security(config(authentication="none")) as security:
         assert security.new_token is None
     assert not path.exists()
@@ -96,7 +96,7 @@ def test_a_reload_reads_tokens_and_permissions_again(path: Path):
             security.reload(other)
 
 
-def test_a_token_file_that_has_gone_locks_nobody_out(path: Path, caplog):
+def test_a_missing_token_file_keeps_the_old_tokens(path: Path, caplog):
     with open_security(config()) as security:
         before = security.authentication.tokens
         assert before.known
@@ -144,7 +144,7 @@ def test_tls_is_1_2_at_least_and_its_certificate_is_read_again(tmp_path: Path):
     assert tls_context(TlsConfig()) is None
 
 
-def test_an_encrypted_key_is_an_error_and_no_question(tmp_path: Path):
+def test_an_encrypted_key_is_an_error_and_not_a_question(tmp_path: Path):
     pytest.importorskip("cryptography")
     from cryptography.hazmat.primitives import serialization
 

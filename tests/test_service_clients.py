@@ -84,9 +84,7 @@ async def test_a_cancelled_call_leaves_nothing_under_way(
     answer(requests[0])  # too late, and harmless
 
 
-async def test_closing_fails_what_is_under_way(
-    ros: FakeRos, service_clients: ServiceClients
-) -> None:
+async def test_closing_fails_pending_calls(ros: FakeRos, service_clients: ServiceClients) -> None:
     ros.add_service("/arm", SET_BOOL.name, lambda request: None)
     calling = asyncio.ensure_future(service_clients.call("/arm", SET_BOOL, {}, Deadline.within(30)))
     await eventually(lambda: service_clients.clients == 1)

@@ -84,7 +84,7 @@ async def test_people_are_invited_once_a_robot_can_be_driven_and_after_30_s_in_a
         assert len(invited) == 1
 
 
-async def test_a_gateway_that_ends_invites_nobody(clock: StoppedClock):
+async def test_a_gateway_that_ends_does_not_invite(clock: StoppedClock):
     invited: list[object] = []
     with contextlib.suppress(KeyError):
         start = Start(Gateway(ControlState((UNGUARDED,), True, 0)).control)

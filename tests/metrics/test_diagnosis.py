@@ -39,7 +39,7 @@ def test_each_problem_has_a_level_and_a_text(
     assert text in found.text
 
 
-def test_a_tripped_drive_says_why_and_what_to_do():
+def test_a_safety_stop_has_its_reason_and_the_next_step():
     drive = DRIVE._replace(is_tripped=True, cause="commands ceased", stops={"deadline": 3})
     found = of("drive /cmd_vel", summary(control=ControlState((drive,), True, 0)))
     assert found.level == WARN

@@ -28,7 +28,7 @@ from tests.ros.fake import FakeRos
 
 @dataclass(frozen=True)
 class Served:
-    """A server, where it listens and what is below it."""
+    """A server, its port, and the parts below it."""
 
     server: Server
     ros: FakeRos

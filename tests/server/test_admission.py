@@ -40,7 +40,7 @@ class Door:
         self.anonymous_role: Role | None = config.pop("anonymous_role", None)
         self.limits: dict[str, Any] = config.pop("limits", {})
         self.rules: dict[str, Any] = config.pop("rules", {})
-        # a busy machine takes longer than people do
+        # a busy machine needs longer than people
         self.config = AccessConfig(**{"auth_timeout_s": 60.0} | config)
         self._serve = serve
 
@@ -302,7 +302,7 @@ async def test_so_many_clients_wait_for_their_token_and_the_oldest_makes_room(se
         waiting = [await stack.enter_async_context(client(served.url)) for _ in range(4)]
         reason = "over capacity: at most 3 clients without a token"
         assert await closing(waiting[0]) == (1013, reason)
-        # nor do they take the places of clients
+        # and they do not use the places of clients
         newest = waiting[-1]
         await newest.send(op="auth", token=OPERATORS)
         assert await newest.sync() == []
@@ -353,7 +353,7 @@ async def test_lines_of_the_audit_log_have_the_client_as_all_lines_do(serve: Ser
     ]
 
 
-async def test_a_full_gateway_turns_away_also_who_has_a_token(serve: Serve):
+async def test_a_full_gateway_also_refuses_clients_with_a_token(serve: Serve):
     async with (
         Door(serve, limits={"max_clients": 1}).open() as served,
         client(served.url, additional_headers=bearer(VIEWERS)) as first,

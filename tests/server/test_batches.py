@@ -31,7 +31,7 @@ async def connected():
 async def test_a_full_socket_is_noticed(connected, version):
     transport, protocol, _ = connected
     write = batch_writer(transport, version) if version else batch_writer(transport)
-    for _ in range(100):  # 10 MB, which no socket takes
+    for _ in range(100):  # 10 MB, more than any socket accepts
         write([b"x" * 50_000, b"y" * 50_000])
     assert protocol.is_paused
 

@@ -145,7 +145,7 @@ class Unencodable(Ready):
 
 
 class Wire(Timers):
-    """A connection, what it is connected to, and the time."""
+    """A connection, its server and transport, and the time."""
 
     ros: FakeRos
 
@@ -175,7 +175,7 @@ class Wire(Timers):
 
     @property
     def is_served(self) -> bool:
-        """Return whether what comes next is carried out at once."""
+        """Return whether the next input is carried out at once."""
         inbound, turns = self.connection._inbound, self.connection.spending.turns
         return self.transport.is_read and not (inbound or inbound._is_waiting or turns._is_due)
 
@@ -311,7 +311,7 @@ def test_a_message_of_10_mib_is_taken_and_a_larger_one_ends_the_connection(wire:
     assert (1009).to_bytes(2, "big") in wire.transport.unsent
 
 
-def test_a_message_that_is_too_large_ends_it_in_words_even_if_what_waits_cannot_be_encoded(
+def test_a_too_large_message_ends_it_with_a_reason_even_if_waiting_messages_cannot_be_encoded(
     wire: Wire,
 ):
     session = wire.connection.session
@@ -647,7 +647,7 @@ def test_a_long_message_or_one_that_only_contains_the_word_waits_for_its_turn(
     assert wire.acceptor.overtaken == []
 
 
-def test_a_stop_of_who_has_yet_to_authenticate_waits_for_its_turn(wire: Wire):
+def test_a_stop_before_authentication_waits_for_its_turn(wire: Wire):
     assert wire.connection.session is not None
     wire.connection.session.identity = None
     wire.acceptor.cost_s = 0.005
@@ -672,7 +672,9 @@ def test_a_large_message_that_a_stop_has_overtaken_is_so_when_it_is_carried_out(
 
 
 @pytest.mark.parametrize(("size", "count"), [(20, 4096), (4000, 64)])
-def test_so_much_is_read_ahead_of_who_has_spent_its_time(wire: Wire, size: int, count: int):
+def test_input_of_a_client_without_time_is_read_ahead_up_to_a_limit(
+    wire: Wire, size: int, count: int
+):
     wire.acceptor.cost_s = 0.3
     wire.receive(pings(0, 1))
     wire.acceptor.cost_s = 0.0
@@ -744,9 +746,7 @@ def leave(wire: Wire, how: str) -> None:
 
 
 @pytest.mark.parametrize("how", ["closed", "end", "close frame"])
-def test_of_what_a_client_leaves_that_has_spent_its_time_only_publishes_are_carried_out(
-    wire: Wire, how: str
-):
+def test_only_publishes_of_a_client_that_left_without_time_are_carried_out(wire: Wire, how: str):
     wire.transport.tcp_state = 1
     wire.acceptor.cost_s = 0.3
     wire.receive(pings(1, 2) + publish(1) + pings(3))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One line for each connection's end: who ended it, and why."""
+"""One line for each end of a connection, with its origin and its reason."""
 
 import asyncio
 import contextlib
@@ -165,7 +165,7 @@ async def is_one_too_many(served: Served) -> None:
         ),
     ],
 )
-async def test_an_end_is_one_line_with_who_ended_it_and_why(
+async def test_an_end_is_one_line_with_its_origin_and_reason(
     serve: Serve, caplog, ending: Ending, level, by, reason, code, text
 ):
     caplog.set_level("DEBUG", LOGGER)
@@ -184,7 +184,7 @@ async def test_an_end_is_one_line_with_who_ended_it_and_why(
     assert counted(served) == {reason: 1}
 
 
-async def test_an_end_says_what_a_client_was(serve: Serve, caplog):
+async def test_an_end_has_the_counts_of_its_client(serve: Serve, caplog):
     caplog.set_level("INFO", LOGGER)
     async with serve() as served:
         async with client(served.url) as speaker:

@@ -184,7 +184,7 @@ def test_after_a_length_in_more_bytes_than_it_needs_the_next_is_not_left_to_it_e
 
 
 @pytest.mark.parametrize("size", [1, 60, 120, 700])
-def test_of_a_backlog_in_pieces_only_what_is_cut_is_left_to_it(counted: Counted, size: int):
+def test_only_frames_that_a_piece_cuts_are_left_to_websockets(counted: Counted, size: int):
     message = frame(0x81, digits(size))
     backlog = message * 1000
     for start in range(0, len(backlog), PIECE_BYTES):

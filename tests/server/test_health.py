@@ -93,7 +93,7 @@ async def test_a_full_gateway_is_ready_and_says_that_it_is_full(serve: Serve):
         assert json.loads((await health(served))[1])["status"] == "ok"
 
 
-async def test_from_the_first_moment_of_the_shutdown_nobody_is_answered(serve: Serve):
+async def test_from_the_start_of_the_shutdown_connections_are_refused(serve: Serve):
     refused: list[OSError] = []
     async with serve() as served:
         close_all = served.server._close_all

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page docs/reference/http.md names what the server answers."""
+"""The page docs/reference/http.md names the answers of the server."""
 
 import json
 import re

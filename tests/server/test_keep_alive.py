@@ -17,7 +17,7 @@ HOUR_S = 3600
 
 
 class Judged:
-    """A client, its link, what waits for it, and the time."""
+    """A client, its link, the data that waits for it, and the time."""
 
     def __init__(self) -> None:
         self.now_s = 1000.0
@@ -79,7 +79,7 @@ def test_the_round_trip_is_from_the_oldest_unanswered_ping_to_the_next_answer(ju
     assert judged.keep_alive.round_trip_s == 0.5
 
 
-def test_no_ping_is_put_behind_what_is_not_taken(judged: Judged):
+def test_no_ping_is_queued_behind_data_that_is_not_accepted(judged: Judged):
     judged.is_paused, judged.waiting_bytes = True, 100
     assert judged.during(20) == []
 

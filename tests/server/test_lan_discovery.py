@@ -108,7 +108,7 @@ async def test_gateways_of_one_machine_share_the_port(asking: socket.socket) -> 
     second.close()
 
 
-async def test_one_who_has_gone_before_the_answer_harms_nobody(
+async def test_a_client_that_leaves_before_the_answer_does_not_disturb_others(
     discovery: LanDiscovery, asking: socket.socket
 ) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as gone:
@@ -117,7 +117,7 @@ async def test_one_who_has_gone_before_the_answer_harms_nobody(
     assert await heard(asking) == answer(GATEWAY)
 
 
-async def test_a_port_that_another_program_has_is_told_and_no_obstacle(
+async def test_a_port_in_use_is_reported_and_does_not_prevent_a_start(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:

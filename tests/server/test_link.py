@@ -104,7 +104,7 @@ def test_a_link_that_has_become_good_is_noticed_once_it_is_used():
     assert simulation.link.bytes_per_s == pytest.approx(2.5e6, rel=0.2)
 
 
-def test_a_link_that_is_used_a_little_is_taken_for_faster_until_nobody_cares():
+def test_the_rate_of_a_little_used_link_grows_until_it_is_forgotten():
     simulation = Simulation(50e3)
     simulation.run(3, frame=1000)
     simulation.bytes_per_s = 100e6

@@ -34,7 +34,7 @@ def test_a_whole_message_that_is_taken_ahead_leaves_the_fragments_around_it_as_t
     assert not assembly.is_text
 
 
-def test_of_any_number_of_empty_fragments_none_is_kept():
+def test_empty_fragments_are_not_kept():
     assembly = MessageAssembly()
     assembly.add(Frame(Opcode.TEXT, b"", fin=False))
     for _ in range(1000):

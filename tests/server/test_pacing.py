@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When a connection may write, by a link, a clock and timers of the test's own."""
+"""The times at which a connection may write, with a link, a clock, and timers of the test."""
 
 from typing import Any
 
@@ -63,7 +63,7 @@ def paced(monkeypatch: pytest.MonkeyPatch) -> Paced:
     return Paced(monkeypatch)
 
 
-def test_a_window_is_written_and_no_more_until_some_of_it_is_taken(paced: Paced):
+def test_only_a_window_is_written_until_some_of_it_is_acknowledged(paced: Paced):
     paced.write(FIRST_WINDOW_BYTES)
     assert not paced.pacing.is_paused
     paced.write(1)
@@ -173,7 +173,7 @@ def test_a_part_of_a_picture_that_is_written_during_a_pause_does_not_end_it(pace
     assert paced.pacing.is_paused
 
 
-def test_closed_it_looks_no_more(paced: Paced):
+def test_after_closing_it_does_not_look_again(paced: Paced):
     paced.write(FIRST_WINDOW_BYTES + 1)
     paced.pacing.close()
     looks = paced.looks

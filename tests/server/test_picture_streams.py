@@ -60,7 +60,7 @@ def camera(served: Served, topic: str = CAMERA) -> FakePublisher:
 
 
 class Viewer:
-    """A request for pictures, and what comes of it."""
+    """A request for images, and its answer."""
 
     def __init__(self, reader: asyncio.StreamReader) -> None:
         self._reader = reader
@@ -211,7 +211,7 @@ async def test_equal_viewers_and_subscribers_share_one_encoding(serve: Serve, en
             assert served.server.health()["subscriptions"] == 1
 
 
-async def test_nothing_is_encoded_while_nobody_looks(serve: Serve, encoded: list[Any]):
+async def test_without_viewers_nothing_is_encoded(serve: Serve, encoded: list[Any]):
     async with serve() as served:
         publisher = camera(served)
         async with view(served, f"/stream?topic={CAMERA}") as viewer:

@@ -56,7 +56,7 @@ METRICS = b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n"
 async def ask(served: Served) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
     """Ask for a page, and read nothing yet."""
     connection = socket.socket()
-    # else the kernel may take a whole page of 8 MB
+    # otherwise the kernel may accept a whole page of 8 MB
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 64 * 1024)
     connection.setblocking(False)
     await asyncio.get_running_loop().sock_connect(connection, ("127.0.0.1", served.port))
@@ -117,7 +117,7 @@ async def scrape(served: Served, **headers: str) -> Scrape:
     return Scrape(text)
 
 
-async def test_prometheus_gets_its_text_and_nobody_keeps_it(serve: Serve):
+async def test_prometheus_gets_its_text_which_is_not_cached(serve: Serve):
     async with serve() as served:
         status, headers, text = await asyncio.to_thread(fetch, served)
         assert status == 200
@@ -524,7 +524,7 @@ async def test_a_large_page_arrives_whole(serve: Serve, monkeypatch: pytest.Monk
         assert await asyncio.to_thread(fetch, served) == (200, ANY, "x" * 8_000_000)
 
 
-async def test_a_scraper_that_leaves_while_its_page_is_written_harms_nobody(serve: Serve):
+async def test_a_scraper_that_leaves_early_does_not_disturb_others(serve: Serve):
     async with serve() as served:
         for _ in range(20):
             _, writer = await asyncio.open_connection("127.0.0.1", served.port)

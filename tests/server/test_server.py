@@ -36,7 +36,7 @@ async def closing(speaker: Client) -> tuple[int, str]:
 
 
 async def handshake(served: Served) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-    """Open a WebSocket by hand, for what no library would send."""
+    """Open a WebSocket by hand, to send data that no library would send."""
     reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
     writer.write(
         b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
@@ -384,7 +384,7 @@ async def test_a_greedy_pair_does_not_keep_a_third_client_from_its_answers(serve
 
 
 async def flood(served: Served) -> None:
-    """Send pings as fast as they are taken, and read all answers."""
+    """Send pings as fast as they are accepted, and read all answers."""
     reader, writer = await handshake(served)
     try:
         async with asyncio.TaskGroup() as group:
@@ -440,7 +440,7 @@ async def test_health_counts_what_a_throttle_replaced_also_of_clients_that_left(
         assert served.server.health()["coalesced"] == 3
 
 
-async def test_a_client_that_takes_nothing_is_cut_off_and_harms_nobody(serve: Serve):
+async def test_a_client_that_accepts_nothing_is_cut_off_and_does_not_disturb_others(serve: Serve):
     async with serve({"send_deadline_s": 0.5}) as served, client(served.url) as good:
         publisher = served.ros.add_publisher("/big", STRING, Qos(depth=100))
         reader, writer = await handshake(served)
@@ -865,7 +865,7 @@ async def test_one_answer_beyond_the_send_queue_reaches_a_client_that_reads(
         writer.close()
 
 
-async def test_a_bug_in_the_core_closes_that_client_with_1011_and_no_other(
+async def test_a_fault_in_the_core_closes_only_that_client_with_1011(
     serve: Serve, monkeypatch, caplog
 ):
     async with serve() as served, client(served.url) as other:
@@ -884,7 +884,7 @@ async def test_a_bug_in_the_core_closes_that_client_with_1011_and_no_other(
         assert "ZeroDivisionError" in caplog.text
 
 
-async def test_a_bug_in_encoding_closes_those_who_want_it_with_1011_and_no_other(
+async def test_a_fault_in_encoding_closes_only_its_subscribers_with_1011(
     serve: Serve, monkeypatch, caplog
 ):
     def fail(encoding, shared):

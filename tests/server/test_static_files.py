@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pages' files by HTTP: what is sent, what is not, and what browsers are told to allow."""
+"""The files of the pages over HTTP: the served files, and the headers for browsers."""
 
 import asyncio
 import gzip
@@ -129,7 +129,7 @@ async def test_a_cached_file_is_not_sent_again(serve, files):
         ("Accept-Encoding:", False),
     ],
 )
-async def test_it_is_compressed_for_those_who_take_it(serve, files, header, is_compressed):
+async def test_it_is_compressed_for_browsers_that_accept_gzip(serve, files, header, is_compressed):
     async with serve(files=files) as served:
         sent = await get(served.port, "/style.css", header)
         assert ("content-encoding" in sent.headers) is is_compressed

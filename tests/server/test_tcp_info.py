@@ -80,7 +80,7 @@ def test_of_an_old_kernel_nothing_is_known(pair):
     assert read_tcp_info(Old()) is None  # type: ignore[arg-type]  # as far as it is used
 
 
-def test_a_peer_that_has_closed_is_noticed_behind_what_is_not_read(pair):
+def test_a_peer_that_has_closed_is_noticed_behind_unread_data(pair):
     near, far = pair
     far.sendall(b"x" * 5000)
     assert not is_ended(near)

@@ -156,9 +156,7 @@ async def test_a_finished_client_does_not_wait(serve: Serve, tls, trusting, is_c
         await eventually(lambda: not served.server._connections)
 
 
-async def test_a_large_page_comes_whole_to_who_reads_it_late(
-    serve: Serve, tls, trusting, monkeypatch
-):
+async def test_a_late_reader_gets_a_large_page_completely(serve: Serve, tls, trusting, monkeypatch):
     page = b"# a comment\n" * 700_000
 
     async def write(*_: object) -> bytes:

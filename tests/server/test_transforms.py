@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tf2_web_republisher over sockets: what clients ask it, and what they get while others move."""
+"""tf2_web_republisher over sockets: requests of clients, and answers while others move."""
 
 from gateway.tf import TF_MESSAGE
 from tests.client import Client, Frame, client, eventually

@@ -66,7 +66,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Timers:
     return Timers(monkeypatch, turns_module)
 
 
-def test_in_each_turn_who_drives_is_first_and_who_has_spent_little_is_next(clock: Timers):
+def test_in_each_turn_the_driver_is_first_and_the_thriftiest_client_next(clock: Timers):
     room = Room(clock)
     for name in "abcdefgh":
         room.ready(name)
@@ -113,7 +113,7 @@ def test_unused_time_goes_to_the_others(clock: Timers):
     assert room.log.count("d") == pytest.approx(37, abs=1)
 
 
-def test_when_nobody_is_ready_there_are_no_turns(clock: Timers):
+def test_without_ready_clients_there_are_no_turns(clock: Timers):
     room = Room(clock)
     room.ready("a", count=1)
     room.turn()

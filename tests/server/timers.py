@@ -22,7 +22,7 @@ class Handle:
 
 
 class Timers:
-    """The time, and what is due later. It goes on by `pass_time` and `next_turn` alone."""
+    """The time, and the timers. Only `pass_time` and `next_turn` advance it."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, *modules: ModuleType) -> None:
         self.now_s = 1000.0
