@@ -12,7 +12,7 @@ from gateway.errors import system_reason
 def open_closed_streams() -> None:
     """Open to nowhere each standard stream that the parent has closed.
 
-    Otherwise the next file or socket gets its number, and whoever prints writes into that.
+    Otherwise the next file or socket gets its number, and printed text goes into that.
     """
     for number, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
         if getattr(sys, name) is None:
