@@ -32,8 +32,8 @@ TOKEN_VARIABLE: Final = "ROS2_GATEWAY_TOKEN"  # noqa: S105  # a name
 
 # settings of former versions, and their replacements
 _REPLACED: Final = {
-    "limits.operations_per_s": "limits.client_time_share, as time is limited instead of counts",
-    "limits.operation_burst": "limits.client_time_share, as time is limited instead of counts",
+    "limits.operations_per_s": "limits.client_time_share: the gateway limits time, not counts",
+    "limits.operation_burst": "limits.client_time_share: the gateway limits time, not counts",
 }
 # settings without a meaning, which must not prevent a start
 _IGNORED: Final = {

@@ -54,7 +54,7 @@ def test_the_environment_names_the_file_unless_a_flag_does(tmp_path):
 def test_a_setting_of_former_versions_is_refused_with_its_replacement(key, tmp_path):
     path = toml(tmp_path, f"[limits]\n{key.partition('.')[2]} = 200")
     variable = "ROS2_GATEWAY_" + key.replace(".", "__").upper()
-    hint = "it is replaced by limits.client_time_share, as time is limited instead of counts"
+    hint = "it is replaced by limits.client_time_share: the gateway limits time, not counts"
     with pytest.raises(ConfigError) as caught:
         load([Given(key, "200", f"--set {key}")], {variable: "200"}, path)
     assert caught.value.problems == (
