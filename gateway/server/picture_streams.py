@@ -40,7 +40,7 @@ WAIT_S: Final = 5.0  # for the first picture: cameras of 1 Hz are slow ones
 
 _JPEG: Final = "image/jpeg"
 _HTML: Final = "text/html; charset=utf-8"
-_POLICY: Final = "default-src 'none'; img-src 'self'"
+_POLICY: Final = "; ".join(("default-src 'none'", "img-src 'self'"))
 _BOUNDARY: Final = "next-picture"
 # Browsers show a picture when the boundary behind it has come, so it is sent along.
 _DELIMITER: Final = f"\r\n--{_BOUNDARY}\r\n".encode()
