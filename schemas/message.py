@@ -71,7 +71,7 @@ _T = TypeVar("_T")
 
 
 class Message(BaseModel):
-    """A ROS 2 message as a frozen model; fields are named by `schemas.naming.attribute`.
+    """A ROS 2 message as a frozen model. `schemas.naming.attribute` names its fields.
 
     ``model_validate(value, context={"now_ns": ...})`` takes a decoded JSON object and the ROS time
     for ``"now"`` and for headers without a stamp, or a function that returns it, called for each

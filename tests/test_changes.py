@@ -37,7 +37,7 @@ def test_a_release_is_a_short_list_of_such_lines(path: Path):
     _, *releases = re.split(r"^## ", path.read_text("utf-8"), flags=re.MULTILINE)
     assert releases
     for release in releases:
-        lines = [line[2:] for line in release.splitlines() if line.startswith("- ")]
+        _, *lines = re.split(r"^- ", release, flags=re.MULTILINE)
         assert 0 < len(lines) <= MAX_LINES_OF_A_RELEASE
         assert [line for line in lines if line.split()[0] not in VERBS.values()] == []
         assert [line for line in lines if words(line) > MAX_WORDS] == []

@@ -13,7 +13,7 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[1]
-# The place of a page of the tree in the site. The first beginning that fits counts.
+# Directories of the tree, and the place of their pages in the site. The first that fits counts.
 PLACES = {
     "docs/": "",
     "unity_client/Documentation~/": "unity/",
@@ -84,9 +84,9 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 
 def indented_by_four(markdown: str) -> str:
-    """Indent the content of a list item by four spaces, which Python-Markdown needs."""
+    """Indent what belongs to a list item by four spaces, which Python-Markdown needs."""
     written: list[str] = []
-    columns: list[int] = []  # the start of the text of each open item
+    columns: list[int] = []  # at which the text of each open item starts
     fence = ""
     for line in markdown.splitlines():
         indent = len(line) - len(line.lstrip())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The checks of `make release` before it builds."""
+"""The checks that `make release` does before it builds."""
 
 import json
 import shutil
