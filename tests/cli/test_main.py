@@ -397,7 +397,7 @@ def test_an_unknown_type_is_one_sentence(form, reason):
         ("LaserScn", ", did you mean sensor_msgs/msg/LaserScan"),
         ("std_msgs::msg::String", ", did you mean std_msgs/msg/String"),
         ("std_srvs/srv/setbool", ", did you mean std_srvs/srv/SetBool"),
-        ("/odom", 'types of names, send it {"op":"describe","type":"/odom"}'),
+        ("/odom", 'types of names: send it {"op":"describe","type":"/odom"}'),
     ],
 )
 def test_an_unknown_type_comes_with_the_one_that_was_meant(form, hint):
