@@ -248,7 +248,9 @@ async def test_a_shutdown_stops_robots_before_it_waits_for_clients():
         driving.cancel()
         await asyncio.wait([driving])
     (stop,) = [line for line in gateway.log if "stopped: " in line]
-    assert "stopped: the gateway shuts down" in stop  # neither a client that left, nor a deadline
+    assert (
+        "stopped: the gateway is shutting down" in stop
+    )  # neither a client that left, nor a deadline
 
 
 def test_the_waits_of_a_shutdown_fit_into_its_time():

@@ -92,7 +92,7 @@ def test_a_reload_reads_tokens_and_permissions_again(path: Path):
         assert policy.of("operator").may("publish", "/a")
         assert not policy.of("operator").may("publish", "/b")
         path.write_text("damaged")
-        with pytest.raises(ConfigError, match="no token file"):
+        with pytest.raises(ConfigError, match="not a token file"):
             security.reload(other)
 
 

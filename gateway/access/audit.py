@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The audit log: who connected, who was refused, who took control, and every stop.
 
-Each event is one line of JSON, for the logger `gateway.audit` and, where the operator names one, a
+Each event is one line of JSON, for the logger `gateway.audit` and, if the operator names one, a
 file. It holds no tokens and no payloads: only names, roles, addresses, reasons.
 """
 
@@ -13,8 +13,8 @@ from datetime import UTC, datetime
 from typing import Final
 
 MAX_FACT_CHARACTERS: Final = 200  # a name of ROS fits
-# Lines of one kind of event in a window; a flood of refusals must fill neither disk nor log. Kinds
-# do not share, so that no flood can hide a stop.
+# Lines of one kind of event in a window, so that no flood fills the disk or the log. Each kind
+# has its own limit, so that no flood can hide a stop.
 MAX_LINES: Final = 100
 WINDOW_NS: Final = 10 * 1_000_000_000
 
@@ -33,8 +33,8 @@ class _Window:
 class Audit:
     """Writes events, a bounded number of each kind.
 
-    *write* takes each line, without waiting; *clock_ns* is the time of day; *level* is of the
-    records in the log.
+    *write* gets each line and must not wait. *clock_ns* is the time of day. *level* is the level of
+    the records in the log.
     """
 
     def __init__(
@@ -49,10 +49,10 @@ class Audit:
         self._windows: dict[str, _Window] = {}
 
     def record(self, event: str, *, client: str | None = None, **facts: Fact) -> None:
-        """Record an event; *event* is one of a few words of ours, never a client's.
+        """Record an event. *event* is one of the gateway's own words, never a client's.
 
-        *client* is the address and number of the client that it is about, for the log alone. Facts
-        that are ``None`` are left out, texts are truncated.
+        *client* is the address and number of the client that it is about, for the log only. Facts
+        that are ``None`` are left out. Texts are truncated.
         """
         now_ns = self._clock_ns()
         window = self._windows.get(event)
@@ -72,8 +72,8 @@ class Audit:
         time = datetime.fromtimestamp(now_ns / 1e9, UTC).isoformat(timespec="milliseconds")
         entry: dict[str, Fact] = {"time": time, "event": event}
         entry |= {name: _shown(fact) for name, fact in facts.items() if fact is not None}
-        line = json.dumps(entry)  # ASCII: no text can begin a line of its own
-        # lines are bounded already, and a stop must not be left out for the sake of others
+        line = json.dumps(entry)  # ASCII: no text can begin a new line
+        # the lines are limited already, and other lines must not displace a stop
         extra = {"client": client, "topic": entry.get("topic"), "is_bounded": True}
         logger.log(self._level, "%s", line, extra=extra)
         if self._write is not None:

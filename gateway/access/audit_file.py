@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The file of the audit log; a thread writes it, as a disk that hangs must hold up nothing."""
+"""The file of the audit log. A thread writes it, so that a disk that hangs delays nothing."""
 
 import contextlib
 import errno
@@ -14,14 +14,14 @@ from typing import Final
 from gateway.errors import ConfigError, system_reason
 from gateway.faults import Fault
 
-MAX_WAITING: Final = 1000  # lines, 300 KB; a disk that takes none loses the newest
+MAX_WAITING: Final = 1000  # lines, 300 KB. If the disk hangs, the newest are lost
 FLUSH_S: Final = 0.3  # at the end, for what still waits: the whole shutdown has 2 s
 
 logger = logging.getLogger(__name__)
 
 
 class AuditFile:
-    """Appends lines to a file of mode 0600; a full one becomes FILE.1, in place of the one before.
+    """Appends lines to a file of mode 0600. A full one replaces FILE.1.
 
     Raises:
         ConfigError: the file cannot be opened.
@@ -41,7 +41,7 @@ class AuditFile:
         self._thread.start()
 
     def write(self, line: str) -> None:
-        """Have a line written soon; without waiting, so it is lost if too many wait."""
+        """Have a line written soon. This does not wait, so the line is lost if too many wait."""
         try:
             self._lines.put_nowait(line)
         except queue.Full:
@@ -58,7 +58,7 @@ class AuditFile:
         try:
             self._lines.put(None, timeout=FLUSH_S)
         except queue.Full:
-            return  # the disk hangs; the thread ends with the process
+            return  # the disk hangs, and the thread ends with the process
         self._thread.join(FLUSH_S)
 
     def _run(self) -> None:
@@ -80,19 +80,19 @@ class AuditFile:
     def _append(self, data: bytes) -> None:
         size = os.fstat(self._descriptor).st_size
         if size and size + len(data) > self._max_bytes:
-            with contextlib.suppress(FileNotFoundError):  # replaced, but then there was no room
+            with contextlib.suppress(FileNotFoundError):  # renamed, but then no room
                 self._path.replace(self._path.with_name(f"{self._path.name}.1"))
             new = self._open()
             os.close(self._descriptor)
             self._descriptor = new
             size = 0
         written = os.write(self._descriptor, data)
-        if written < len(data):  # the disk is full: half a line is no JSON
+        if written < len(data):  # the disk is full, and half a line is not JSON
             os.ftruncate(self._descriptor, size)
             raise OSError(errno.ENOSPC, "no space left on device")
 
     def _open(self) -> int:
         flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND
         descriptor = os.open(self._path, flags, 0o600)
-        os.fchmod(descriptor, 0o600)  # also where it existed
+        os.fchmod(descriptor, 0o600)  # also if it existed
         return descriptor

@@ -10,7 +10,7 @@ ANONYMOUS = "anonymous"
 
 
 class AuthenticationError(Exception):
-    """Raised when a token is not valid; *is_abuse* if its address has sent too many such."""
+    """Raised when a token is not valid. *is_abuse* if its address has sent too many of them."""
 
     def __init__(self, reason: str, *, is_abuse: bool = False) -> None:
         super().__init__(reason)
@@ -18,7 +18,7 @@ class AuthenticationError(Exception):
 
 
 class Authentication:
-    """The tokens and the policy in force; a reload replaces both.
+    """The tokens and the policy in force. A reload replaces both.
 
     *anonymous_role* is the role of clients without a token, ``None`` if they need one.
     """
@@ -31,7 +31,7 @@ class Authentication:
 
     @property
     def anonymous(self) -> Identity | None:
-        """The identity of clients without a token; ``None`` if they need one."""
+        """The identity of clients without a token, or ``None`` if they need one."""
         if self._anonymous_role is None:
             return None
         return Identity(ANONYMOUS, self.policy.of(self._anonymous_role))
@@ -48,15 +48,15 @@ class Authentication:
 
     @property
     def looks_at_tokens(self) -> bool:
-        """True if a token makes a difference: not where everybody may do everything."""
+        """True if a token makes a difference: not if every client may do everything."""
         anonymous = self.anonymous
         return anonymous is None or not anonymous.permissions.is_unlimited
 
     def identify(self, token: str, address: str, now_s: float) -> Identity:
         """Return the identity of the client with this token.
 
-        A right token passes however many wrong ones its address has sent: others behind the same
-        router or proxy must not lock it out, and no number of attempts finds a token.
+        A valid token passes, no matter how many wrong ones its address has sent. Other clients
+        behind the same router or proxy must not lock it out, and nobody can find a token by trying.
 
         Raises:
             AuthenticationError: the token is not valid.
@@ -72,7 +72,7 @@ class Authentication:
         raise AuthenticationError("the token is wrong")
 
     def current(self, identity: Identity) -> Identity | None:
-        """Return who a client is after a reload; ``None`` if its token was revoked."""
+        """Return who a client is after a reload, or ``None`` if its token was revoked."""
         if identity.digest is None:
             return Identity(identity.name, self.policy.of(identity.role))
         found = self.tokens.with_digest(identity.digest)

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from typing import Final
 from urllib.parse import parse_qsl, urlsplit
 
-# What browsers offer to send a token, as they cannot set headers: this subprotocol, which the
-# gateway confirms, and `bearer.TOKEN`, which it never repeats.
+# Browsers cannot set headers, so pages send a token by offering two subprotocols: this one, which
+# the gateway confirms, and `bearer.TOKEN`, which it never repeats.
 SUBPROTOCOL: Final = "ros2-gateway"
 _BEARER_SUBPROTOCOL: Final = "bearer."
 _BEARER_SCHEME: Final = "bearer"
@@ -14,7 +14,7 @@ _BEARER_SCHEME: Final = "bearer"
 _URL_KEYS: Final = frozenset({"token", "access_token", "auth", "auth_token", "bearer", "api_key"})
 
 NOT_IN_URLS: Final = (
-    "a token must not be in the address, as addresses are logged and remembered; send it as"
+    "a token must not be in the address, because addresses are stored in logs: send it as"
     " `Authorization: Bearer TOKEN`, as subprotocols `ros2-gateway, bearer.TOKEN`, or as the first"
     ' frame {"op":"auth","token":"TOKEN"}'
 )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Counts wrong tokens, so that whoever tries many costs little."""
+"""Counts wrong tokens, so that an address that tries many costs little."""
 
 import ipaddress
 from collections import OrderedDict
@@ -18,7 +18,7 @@ class _Window:
 
 
 class FailedAttempts:
-    """The failures of each address in the last minute; of IPv6, of each network of a household."""
+    """The failures of each address in the last minute, or of each /64 network of IPv6."""
 
     def __init__(self) -> None:
         self._windows: OrderedDict[str, _Window] = OrderedDict()
@@ -28,7 +28,7 @@ class FailedAttempts:
         return len(self._windows)
 
     def add(self, address: str, now_s: float) -> bool:
-        """Count a failure; return whether the address has had too many."""
+        """Count a failure, and return whether the address has had too many."""
         key = network_of(address)
         window = self._windows.pop(key, None)
         if window is None or now_s - window.began_s >= WINDOW_S:
@@ -41,7 +41,7 @@ class FailedAttempts:
 
 
 def network_of(address: str) -> str:
-    """Return an IPv4 address, or the /64 of an IPv6 one: whoever has one has all of it."""
+    """Return an IPv4 address, or the /64 of an IPv6 one: a host can use all addresses of it."""
     try:
         parsed = ipaddress.ip_address(address.partition("%")[0])
     except ValueError:

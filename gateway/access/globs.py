@@ -10,10 +10,10 @@ _SEGMENT_ENDS = "(?![^/])"
 
 
 def compile_globs(globs: Iterable[str]) -> re.Pattern[str] | None:
-    """Return a pattern whose `fullmatch` takes the names that any of the globs takes.
+    """Return a pattern whose `fullmatch` accepts the names that any of the globs accepts.
 
     ``*`` stands for any characters of one segment. ``**`` is a segment by itself: between others
-    it stands for any number of segments, none included, and at the end for one or more. Return
+    it stands for any number of segments, also none, and at the end for one or more. Return
     ``None`` if there are no globs: nothing matches.
     """
     patterns = [_pattern(glob) for glob in globs]
@@ -23,8 +23,8 @@ def compile_globs(globs: Iterable[str]) -> re.Pattern[str] | None:
 def _pattern(glob: str) -> str:
     """Translate a glob.
 
-    What is between two wildcards is taken where it comes first, which is never wrong. The groups
-    are atomic, so that no name costs more than in proportion to its length.
+    The text between two wildcards matches at its first place, which is never wrong. The groups
+    are atomic, so that the cost of a name is proportional to its length.
     """
     segments = ("/**" if glob == "**" else glob).split("/")[1:]
     runs = [(is_deep, list(run)) for is_deep, run in groupby(segments, lambda each: each == "**")]

@@ -17,14 +17,14 @@ ACTIONS: Final[tuple[Action, ...]] = ("subscribe", "publish", "call")
 
 # rcl offers an action as services and topics below this part of its name
 _BEHIND_ACTION: Final = "/_action/"
-SEND_GOAL: Final = f"{_BEHIND_ACTION}send_goal"  # what sends a goal calls this service
-# Decisions that are kept, by action and name: those of a large robot. A client may make up names
-# without end, so the memory is bounded.
+SEND_GOAL: Final = f"{_BEHIND_ACTION}send_goal"  # sending a goal calls this service
+# Decisions that are kept, by action and name: those of a large robot. A client can make up any
+# number of names, so the memory is limited.
 MAX_REMEMBERED: Final = 4096
 
 
 class Permissions:
-    """The permissions of one role; *all_roles* are those of every role."""
+    """The permissions of one role. *all_roles* are those of every role."""
 
     def __init__(
         self,
@@ -68,7 +68,7 @@ class Permissions:
         return [role for role in ROLES if role in all_roles and all_roles[role].may(action, name)]
 
     def _decide(self, action: Action, name: str) -> bool:
-        # who may not send an action goals must not reach the services behind it, either
+        # without permission for an action, a client must not reach its internal services
         names = {name, name.partition(_BEHIND_ACTION)[0] or name}
         allowed, denied = self._allowed[action], self._denied[action]
         if allowed is None or (denied is not None and any(map(denied.fullmatch, names))):
@@ -104,5 +104,5 @@ class Identity:
         return self.permissions.role
 
 
-# of whoever connects where nobody is kept out
+# of every client, if the gateway keeps none out
 UNLIMITED: Final = Identity("anonymous", Permissions("admin", RoleConfig()))

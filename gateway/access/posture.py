@@ -19,7 +19,7 @@ class Posture:
 
     hosts: tuple[str, ...]
     is_open: bool  # other machines can connect
-    anonymous_role: Role | None  # None: everybody needs a token
+    anonymous_role: Role | None  # None: every client needs a token
 
     @property
     def needs_token(self) -> bool:
@@ -30,7 +30,7 @@ class Posture:
 def posture_of(config: Config) -> Posture:
     """Return the posture that a configuration asks for.
 
-    Whatever opens the gateway to other machines, `lan` or an address, asks for tokens.
+    If `lan` or an address opens the gateway to other machines, it asks for tokens.
 
     Raises:
         ConfigError: the configuration contradicts itself.
@@ -38,11 +38,11 @@ def posture_of(config: Config) -> Posture:
     names_host = "host" in config.model_fields_set
     if config.lan and names_host and is_loopback(config.host):
         raise ConfigError(
-            f"lan: got true, but host is {config.host}, which only this machine reaches;"
+            f"lan: got true, but host is {config.host}, which only this machine reaches:"
             " leave one of them out"
         )
     if config.tls.port is not None and config.tls.port == config.port != 0:
-        raise ConfigError(f"tls.port: {config.port} is the plain port already")
+        raise ConfigError(f"tls.port: {config.port} is the plain port already: choose another")
     by_default = EVERYWHERE if config.lan else LOOPBACKS
     hosts = (config.host,) if names_host else by_default
     is_open = config.lan or not is_loopback(config.host)
@@ -51,8 +51,8 @@ def posture_of(config: Config) -> Posture:
     if asked == "token" or (asked == "auto" and is_open):
         if access.anonymous_role is not None:
             raise ConfigError(
-                "access.anonymous_role: got a role, but every client needs a token;"
-                " --no-auth lets clients in without one"
+                "access.anonymous_role: got a role, but every client needs a token:"
+                " add --no-auth to let clients in without one"
             )
         return Posture(hosts, is_open, None)
     default: Role = "viewer" if is_open else "admin"
@@ -60,7 +60,7 @@ def posture_of(config: Config) -> Posture:
 
 
 def is_loopback(host: str) -> bool:
-    """Return whether only this machine can reach an address; a name may point anywhere."""
+    """Return whether only this machine can reach an address. A name may point anywhere."""
     if host == "localhost":
         return True
     try:

@@ -23,10 +23,10 @@ def default_path(environment: Mapping[str, str]) -> Path:
 
 
 def read(path: Path) -> Tokens:
-    """Read the tokens; a file that does not exist has none.
+    """Read the tokens. A file that does not exist has none.
 
     Raises:
-        TokenFileError: it is unreadable, is no token file, or others may write it.
+        TokenFileError: it is unreadable or not a token file, or others may write it.
     """
     try:
         with path.open("rb") as file:
@@ -37,13 +37,13 @@ def read(path: Path) -> Tokens:
     except OSError as error:
         raise TokenFileError(f"cannot read {path}, {system_reason(error)}") from error
     if mode & (stat.S_IWGRP | stat.S_IWOTH):
-        raise TokenFileError(f"{path} can be changed by others: chmod 600 {path}")
+        raise TokenFileError(f"{path} can be changed by others: run chmod 600 {path}")
     if len(data) > MAX_FILE_BYTES:
-        raise TokenFileError(f"{path} is no token file: more than {MAX_FILE_BYTES} bytes")
+        raise TokenFileError(f"{path} is not a token file: more than {MAX_FILE_BYTES} bytes")
     try:
         return from_json(data)
     except TokenFileError as error:
-        raise TokenFileError(f"{path} is no token file: {error}") from error
+        raise TokenFileError(f"{path} is not a token file: {error}") from error
 
 
 def change(path: Path, changed: Callable[[Tokens], Tokens]) -> None:
@@ -64,10 +64,10 @@ def replace(path: Path, data: bytes) -> None:
     """Write a file that its owner alone can read, in one step.
 
     Raises:
-        OSError: it cannot be written; what was there stays.
+        OSError: it cannot be written. The old file stays.
     """
     new = path.with_name(f".{path.name}.new")
-    new.unlink(missing_ok=True)  # of a process that died here; the lock is ours
+    new.unlink(missing_ok=True)  # of a process that died here: we hold the lock
     descriptor = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     try:
         with os.fdopen(descriptor, "wb") as file:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tokens: how they are made, what of them is kept, and how they are compared.
 
-A token has 256 random bits, so nobody can find it by trying, and a plain hash of it is as good as a
-slow one: slow hashes make up for passwords that people choose.
+A token has 256 random bits, so nobody can find it by trying. A plain hash of it is as good as a
+slow one, because slow hashes only help with passwords that people choose.
 """
 
 import hashlib
@@ -26,11 +26,11 @@ NAME_PATTERN: Final = r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}"
 
 
 class TokenFileError(Exception):
-    """Raised when the text of a token file is not one; the text says what is wrong."""
+    """Raised when a file is not a token file. The text says what is wrong."""
 
 
 class Token(BaseModel):
-    """Everything that is known of a token, but for the token."""
+    """Everything that is known of a token, except the token."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
@@ -54,12 +54,12 @@ class _TokenFile(BaseModel):
 
 @dataclass(frozen=True)
 class Tokens:
-    """The tokens that are valid; names and hashes are unique."""
+    """The tokens that are valid. Names and hashes are unique."""
 
     known: tuple[Token, ...] = ()
 
     def find(self, token: str) -> Token | None:
-        """Return what is known of a client's token; it takes as long for every token."""
+        """Return what is known of a client's token. Each token takes the same time."""
         if len(token) > MAX_TOKEN_CHARACTERS:
             return None
         digest = digest_of(token)
@@ -84,24 +84,24 @@ class Tokens:
             TokenFileError: there is one of that name, or there are too many.
         """
         if self.named(token.name) is not None:
-            raise TokenFileError(f"a token named {token.name} exists already")
+            raise TokenFileError(f"a token named {token.name} exists already: choose another name")
         if len(self.known) >= MAX_TOKENS:
-            raise TokenFileError(f"at most {MAX_TOKENS} tokens")
+            raise TokenFileError(f"there are {MAX_TOKENS} tokens already: revoke one")
         return Tokens((*self.known, token))
 
     def without(self, name: str) -> "Tokens":
-        """Return these but for the one of that name.
+        """Return these without the one of that name.
 
         Raises:
             TokenFileError: no token has that name.
         """
         if self.named(name) is None:
-            raise TokenFileError(f"no token is named {name}")
+            raise TokenFileError(f"no token is named {name}: see `ros2-gateway token list`")
         return Tokens(tuple(each for each in self.known if each.name != name))
 
 
 def make_token(name: str, role: Role, created: str) -> tuple[str, Token]:
-    """Make a token; return it, to be shown once, and what to keep of it."""
+    """Make a token, and return it, to be shown once, and what to keep of it."""
     token = PREFIX + secrets.token_urlsafe(_RANDOM_BYTES)
     return token, Token(name=name, role=role, created=created, sha256=digest_of(token).hex())
 

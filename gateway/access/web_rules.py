@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules for browsers: the names that the gateway answers to, the pages that may connect.
 
-Browsers let every page open WebSockets to everywhere, localhost included, so without these rules
-any web site could drive the robot of whoever visits it. By the rule for `Host`, it cannot do so
-under a name of its own, either, that it makes point here once the page is loaded (DNS rebinding).
+Browsers let every page open WebSockets to every address, also to localhost. Without these rules any
+web site could drive the robot of a visitor. The rule for `Host` covers names that a web site points
+here after its page is loaded (DNS rebinding).
 """
 
 import ipaddress
@@ -15,15 +15,15 @@ from urllib.parse import urlsplit
 from gateway.access.posture import is_loopback
 
 ANY: Final = "*"
-NO_ORIGIN: Final = "null"  # what browsers send for pages from disk and for sandboxed frames
-MAX_LOGGED_ORIGINS: Final = 64  # an attacker may make up names without end
+NO_ORIGIN: Final = "null"  # browsers send it for pages from disk and for sandboxed frames
+MAX_LOGGED_ORIGINS: Final = 64  # an attacker can make up any number of names
 MAX_ORIGIN_CHARACTERS: Final = 128
 _DEFAULT_PORTS: Final = {"http": 80, "https": 443}
-# written out, as browsers write it: names such as localhost.evil.example belong to anybody
+# as browsers write it: a name such as localhost.evil.example can belong to anybody
 _LOOPBACK_ORIGIN: Final = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:[0-9]{1,5})?")
 
 Standing = Literal["trusted", "local", "foreign"]
-"""The trust in a page: as a program, as the role `page` says, or not at all."""
+"""The trust in a page: like a program, like the role `page`, or none."""
 
 
 class WebRules:
@@ -31,8 +31,8 @@ class WebRules:
 
     *own_names* are this machine's, *allowed_hosts* further names under which it is reached,
     *allowed_origins* exact origins such as ``https://ui.example``, ``null``, or ``*`` for all.
-    With *welcomes_local*, pages of other servers on this machine may connect: only for a gateway
-    that no other machine reaches, as a page of their `localhost` would look the same.
+    With *welcomes_local*, pages of other servers on this machine may connect. Use it only if no
+    other machine reaches the gateway, because a page of its `localhost` would look the same.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class WebRules:
         return True
 
     def standing(self, origin: str | None, host: str, *, is_encrypted: bool) -> Standing:
-        """Return how far a page is trusted; a program has no *origin*.
+        """Return how far a page is trusted. A program has no *origin*.
 
         Raises:
             ValueError: *origin* is malformed.
@@ -77,17 +77,17 @@ class WebRules:
             return "trusted"
         if self._is_own(origin, host, is_encrypted=is_encrypted):
             return "trusted"
-        # behind a proxy that passes `Host` on, another machine's localhost may ask
+        # a proxy that passes `Host` on may pass requests of another machine's localhost
         is_local = _LOOPBACK_ORIGIN.fullmatch(origin) and is_loopback(_name_in(host))
         return "local" if self._welcomes_local and is_local else "foreign"
 
     def _is_own(self, origin: str, host: str, *, is_encrypted: bool) -> bool:
         """Return whether a page is the gateway's own.
 
-        It is if its host *and port* are those of the request, whose `Host` is one of ours: what
-        else runs on this machine is not the gateway. A page that came without encryption may be
-        anybody's on the network, so it is not own where the gateway encrypts. A page that came with
-        it may be own also where the gateway does not, as a proxy may do it.
+        Its host *and port* must be those of the request, whose `Host` is one of ours: another
+        server on this machine is not the gateway. If the gateway encrypts, the page must as well,
+        because anybody on the network can change an unencrypted page. If the gateway does not
+        encrypt, the page may, because a proxy can do it.
         """
         parsed = urlsplit(origin)
         if is_encrypted and parsed.scheme != "https":
@@ -106,7 +106,7 @@ class WebRules:
         return f"--set 'allowed_origins={origins}'"
 
     def setting_for_host(self, name: str) -> str:
-        """Return the setting that would allow a name, beside those that are allowed."""
+        """Return the setting that allows a name, in addition to those that are allowed."""
         return f"--set 'allowed_hosts={','.join((*self._allowed_hosts, name))}'"
 
     def first_refusal(self, origin: str) -> bool:

@@ -3,5 +3,5 @@
 
 Pure computation: commands and times come in, effects come out as data. No clock, socket or ROS.
 
-The map is docs/contributing/architecture.md; docs/explanation/safety.md has the rules in words.
+The map is docs/contributing/architecture.md. docs/explanation/safety.md explains the rules.
 """

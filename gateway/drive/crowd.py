@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands that come at once after a silence, as those do that a link delivers after it was dead.
+"""Commands that arrive together after a silence, as after a network failure.
 
 They come in segments of TCP, several commands in one turn of the event loop, and the next segment a
-little later. So for a while after a silence each command beyond the first of a turn has to be
-explained by time: one every `PERIOD_NS`, as the loop or the link may have stood still while a
-client sent that fast. What is `CROWD` commands ahead of time is a backlog.
+little later. So for a while after a silence, time must explain each command beyond the first of a
+turn: one for each `PERIOD_NS`, because the loop or the network may have stood still while a client
+sent that fast. Commands that are `CROWD` ahead of time are a backlog.
 """
 
 from collections.abc import Hashable
 from typing import Final
 
 PERIOD_NS: Final = 1_000_000_000 // 120  # XR's rate
-CROWD: Final = 12  # 100 ms while the loop was busy; less than a backlog of 1 s at 20 Hz
+CROWD: Final = 12  # 100 ms of a busy loop, and less than a backlog of 1 s at 20 Hz
 WATCHED_NS: Final = 250_000_000
 
 
 class Crowd:
-    """The commands of one client after a silence, and the time by which all are explained."""
+    """The commands of one client after a silence, and the time that explains all of them."""
 
     def __init__(self) -> None:
         self.explained_ns = 0
@@ -26,7 +26,7 @@ class Crowd:
         self._is_first = True  # of its turn
 
     def hear(self, client: Hashable, now_ns: int, silence_ns: int) -> int | None:
-        """Take note of any command, and return the time since the one before, if there was one.
+        """Note any command, and return the time since the one before, if there was one.
 
         After *silence_ns*, or another client, the commands are watched.
         """
@@ -41,7 +41,7 @@ class Crowd:
         """Count a command that may go out, and return what `hear` does."""
         gap_ns = self.hear(client, now_ns, silence_ns)
         if not self._is_first and now_ns < self._watched_until_ns:
-            # no more: who is a backlog need not be explained
+            # no more: a backlog needs no explanation
             most_ns = now_ns + CROWD * PERIOD_NS
             self.explained_ns = min(self.explained_ns + PERIOD_NS, most_ns)
         self._is_first = False

@@ -3,13 +3,13 @@
 
 It moves the robot only while its holder commands it to, in time:
 
-- The deadline is judged before each command, by a time that is read once per turn of the event
-  loop. So a gateway that stood still, or a link that was cut, stops the robot before it looks at
-  what has piled up. Of the commands of one turn the newest goes out.
+- The deadline is checked before each command, by a time that is read once per turn of the event
+  loop. So after a silence of the gateway or the network, it stops the robot before it looks at the
+  commands that have piled up. Of the commands of one turn the newest goes out.
 - A stop is some commands of zero, then silence (`Zeros`).
 - After a stop that the client did not ask for, the `TripLatch` refuses commands to move.
 - Many commands at once after a silence are a backlog, a few wait to be explained (`Crowd`).
-- What was pushed while another client drove has to be let go of first (`TurnedAway`).
+- A client that pushed while another one drove must release the joystick first (`TurnedAway`).
 """
 
 from collections.abc import Hashable
@@ -61,7 +61,7 @@ class Drive:
         self._moves = False
         self._accepted_ns = 0
         self._commands = 0
-        self._is_by_hand = True  # no command had its client's time
+        self._is_by_hand = True  # no command had the time of its client
         self._pending: Command | None = None  # goes out at the end of this turn, or
         self._waits = False  # later, as it starts a motion with others that came at once
         self._is_under_way = False  # a command of this motion has gone out
@@ -88,7 +88,7 @@ class Drive:
 
     @property
     def needs_guard(self) -> bool:
-        """Return whether somebody has to stop the robot if this process ends now."""
+        """Return whether the guard must stop the robot if this process ends now."""
         return self._moves or self._zeros.left > 0
 
     @property
@@ -134,7 +134,7 @@ class Drive:
         return out
 
     def invalid(self, client: Hashable, now_ns: int) -> Effects:
-        """Take note that a client has sent a message that does not fit the type."""
+        """Note that a client has sent a message that does not fit the type."""
         is_held, out = self._take_back(client), self._advance(now_ns)
         if (self._moves or is_held) and self._has_lease(client):
             self._stop("invalid_value", now_ns, out)
@@ -153,7 +153,7 @@ class Drive:
             self._send_pending(now_ns, out)
         return out
 
-    # Other events; those that end something take back what waits before it could go out
+    # Other events. Those that end something first take back a command that waits
 
     def tick(self, now_ns: int) -> Effects:
         """Do what is due."""
@@ -163,7 +163,7 @@ class Drive:
         return out
 
     def _advance(self, now_ns: int) -> Effects:
-        """Do what is due before anything else is; what waits may still be taken back."""
+        """Do what is due first. A command that waits can still be taken back."""
         out: Effects = []
         if self._moves and not self.may_move(now_ns):
             self._stop("deadline", now_ns, out, allows_single=self._is_single)
@@ -179,19 +179,19 @@ class Drive:
         return out + self._zeros.tick(now_ns)
 
     def leave(self, client: Hashable, now_ns: int) -> Effects:
-        """Stop what a client has moved; it is gone."""
+        """Stop what a client has moved, because it is gone."""
         return self._end_lease(client, "disconnect", now_ns, allows_single=self._is_single)
 
     def revoke(self, client: Hashable, now_ns: int) -> Effects:
-        """Stop what a client has moved; it may not any more."""
+        """Stop what a client has moved, because it lost the permission."""
         return self._end_lease(client, "permission", now_ns)
 
     def release(self, client: Hashable, now_ns: int) -> Effects:
-        """Take control from a client that gives it back; ignored if it has none."""
+        """Take control from a client that gives it back. Ignored if it has none."""
         return self._end_lease(client, "release", now_ns, is_asked=True)
 
     def stop(self, client: Hashable, now_ns: int) -> Effects:
-        """Stop at the request of any client, also a robot that stands as far as we know."""
+        """Stop at the request of any client, also a robot that seems to stand."""
         self._held = None
         out = self._advance(now_ns)
         is_asked = self._lease is None or self._lease.holder == client
@@ -199,7 +199,7 @@ class Drive:
         return out
 
     def acquire(self, client: Hashable, now_ns: int) -> Effects:
-        """Give control to a client; what another one has moved is stopped first."""
+        """Give control to a client. If another one moves the robot, stop it first."""
         held, self._held = self._held, None
         self._turned_away.forget(client)
         out = self._advance(now_ns)
@@ -221,7 +221,7 @@ class Drive:
     def set_guard(self, guard: GuardState, now_ns: int) -> Effects:
         """Follow the guard process: without it nothing moves.
 
-        It starts again for who begins to listen: a robot has to stand until the stick is let go.
+        It starts again for each new listener: a robot must stand until the joystick is released.
         """
         is_changed, self._guard = guard != self._guard, guard
         out = self._advance(now_ns)
@@ -271,7 +271,7 @@ class Drive:
 
     def _zero(self, command: Command, now_ns: int, out: Effects) -> None:
         self._take_lease(command, now_ns, out)
-        self._held = None  # it waited, and the client has thought better of it
+        self._held = None  # the client has taken back what waited
         if self._moves:
             self._stop("zero", now_ns, out, is_asked=True)
         else:
@@ -283,7 +283,7 @@ class Drive:
 
     def _move(self, command: Command, gap_ns: int | None, now_ns: int, out: Effects) -> None:
         if self._is_over or self._guard == "lost":
-            out += self._latch.spoil()  # it may be one of a backlog behind a zero all the same
+            out += self._latch.spoil()  # it can still be one of a backlog behind a zero
             out.append(self._tripped(command))
             return
         is_new = not self._has_lease(command.client)
@@ -371,7 +371,7 @@ class Drive:
         out.append(Send(pending.velocity))
 
     def _take_lease(self, command: Command, now_ns: int, out: Effects) -> None:
-        """Take or renew the lease; `_check` has found nothing against it."""
+        """Take or renew the lease. `_check` has found nothing against it."""
         if self._lease and self._lease.holder != command.client:
             self._hand_over(out)
         if self._lease is None:
@@ -393,7 +393,7 @@ class Drive:
         return out
 
     def _hand_over(self, out: Effects) -> None:
-        """End a lease that another client takes: nothing of the former one goes out any more."""
+        """End a lease that another client takes: no command of the former holder goes out."""
         held, self._held = self._held, None
         if held:
             out.append(refusals.taken_over(held.command, self._topic))

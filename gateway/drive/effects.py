@@ -24,13 +24,13 @@ Cause = Literal[
     "guard",
     "reader",  # another subscription was discovered, perhaps that of a robot that starts
     "shutdown",
-    "start",  # not a stop: the first command has to be zero, as configured
+    "start",  # not a stop: by configuration the first command must be zero
 ]
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One command of a client; *request* is handed back if it is refused later."""
+    """One command of a client. *request* is handed back if it is refused later."""
 
     client: Hashable
     velocity: Velocity
@@ -61,7 +61,7 @@ class Refused:
 
 @dataclass(frozen=True, slots=True)
 class Stopped:
-    """A stop has begun, while the robot moved or because it was asked for; write it down."""
+    """Record that a stop has begun, while the robot moved or because a client asked for it."""
 
     cause: Cause
     client: Hashable | None  # that drove
@@ -70,7 +70,7 @@ class Stopped:
 
 @dataclass(frozen=True, slots=True)
 class Clamped:
-    """A command was faster than allowed; *velocity* is what remains of it."""
+    """A command was faster than allowed. *velocity* is the reduced one."""
 
     command: Command
     velocity: Velocity
@@ -78,12 +78,12 @@ class Clamped:
 
 @dataclass(frozen=True, slots=True)
 class Changed:
-    """The status is another one."""
+    """The status has changed."""
 
 
 Effect = Send | Refused | Stopped | Clamped | Changed
 Effects = list[Effect]
-# It is prepared once it has discovered everybody who listens, and ready once they hear it.
+# It is prepared once it has discovered all listeners, and ready once they hear it.
 GuardState = Literal["starting", "prepared", "ready", "lost"]
 Motion = Literal["stopped", "moving", "stopping"]
 
@@ -96,12 +96,12 @@ class Status:
     holder: Hashable | None
     cause: Cause | None  # of the last stop
     is_tripped: bool
-    guard: GuardState  # whoever drives may begin once it is prepared: this says ready then
+    guard: GuardState  # says ready once it is prepared: a client may begin then
 
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """The configured rules; see `gateway.config.control`."""
+    """The configured rules, see `gateway.config.control`."""
 
     deadline_ns: int = 500_000_000
     lease_ns: int = 2_000_000_000

@@ -1,28 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """The age of a command: by its client's own clock, else by the time that it may have waited here.
 
-A client that sends more than its time budget allows is read slowly, so its commands come late and
-one by one, as if it still drove: without a clock they are as old as what may have waited longest.
+A client that sends more than its time budget allows is read slowly. Its commands come late and one
+by one, as if it still drove. Without a clock they are as old as the input that waited longest.
 
-The two clocks have nothing to do with each other. But the delay between them, gateway's time of
-arrival less client's time of sending, is smallest for the command that travelled fastest, and every
-other is older than that one by the difference.
+The two clocks are independent. The delay between them is the gateway's time of arrival less the
+client's time of sending. It is smallest for the command that travelled fastest. Every other command
+is older than that one by the difference.
 """
 
 from typing import Final, Literal
 
 MAX_AGE_NS: Final = 250_000_000
-# The best delay of a connection grows by 200 ppm: more than crystals differ (100 ppm), and by less
-# than `MAX_AGE_NS` in the ten seconds after which a silent connection is ended.
+# The best delay of a connection grows by 200 ppm, because crystals differ by up to 100 ppm. In the
+# ten seconds after which a silent connection ends, it grows by less than `MAX_AGE_NS`.
 FORGETTING: Final = 5000
-# A program that reconnects may send at once what it kept meanwhile: of the first commands of a
-# connection nobody knows how old the best is.
+# A program that reconnects may send old commands at once, so the age of the best of the first
+# commands of a connection is unknown.
 SETTLING_NS: Final = 1_000_000_000
 
 Age = Literal[
     "fresh",  # not older than the best by `MAX_AGE_NS`
     "stale",
-    "behind",  # it waited for `MAX_AGE_NS`, as its client has spent its time budget
+    "behind",  # it waited for `MAX_AGE_NS`, because its client has spent its time budget
     "waited",  # as long, for the gateway
     "unknown",  # no time was given and nothing waited, or the connection is too young to know
 ]

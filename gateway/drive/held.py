@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A command to move that may not go out yet.
+"""A command to move that must not go out yet.
 
 It meets a guard that is not ready, or it is a single one.
 
 A person who types commands by hand sends a single one and knows that the robot moves for one
-deadline. Such a motion, of one command, ends with a latch that allows a single command: it waits
-for `HOLD_NS`, and goes out unless more come crowded, as those of a backlog do: a segment of TCP
-holds several. Those that come one by one meanwhile replace it. A single late command cannot be told
-from a timely one without the client's clock; clients that send their time have no use for this
-rule, and do not get it.
+deadline. Such a motion of one command ends with a latch that allows a single command. That command
+waits for `HOLD_NS`. It goes out unless more arrive together, as in a backlog, because a segment of
+TCP holds several. Commands that arrive one by one in this time replace it.
+
+Without the client's clock, a single late command looks like a timely one. Clients that send their
+time do not need this rule, and do not get it.
 """
 
 from dataclasses import dataclass
@@ -18,12 +19,12 @@ from gateway.drive.effects import Command
 from gateway.drive.trip_latch import QUIET_NS
 
 HOLD_NS: Final = QUIET_NS
-GUARD_WAIT_NS: Final = 1_000_000_000  # who has sent one command still looks at the robot
+GUARD_WAIT_NS: Final = 1_000_000_000  # a person who sent one command still looks at the robot
 
 
 @dataclass(slots=True)
 class Held:
-    """It waits for the guard, or with a time, for others to come after it."""
+    """It waits for the guard, or until a time, for others to come after it."""
 
     command: Command
     since_ns: int  # when it came
@@ -37,9 +38,9 @@ class Held:
 
 
 def for_guard(command: Command, now_ns: int, before: Held | None, deadline_ns: int) -> Held:
-    """Let a command wait for the guard: one of a stick no longer than the robot may move after it.
+    """Let a command wait for the guard: one of a joystick for at most one deadline.
 
-    *before* waits until now. A stick that has fallen silent moves no robot later.
+    *before* waits until now. A joystick that has fallen silent moves no robot later.
     """
     is_stick = before is not None and now_ns - before.since_ns < deadline_ns
     return Held(

@@ -11,9 +11,9 @@ from gateway.drive.effects import Command, Rules
 class Lease:
     """One client's right to command, until it is silent for a while.
 
-    A client that takes it by a command need not know that there is such a thing; many pages send
-    zeros all day long. So a lease that was taken by a command is weak while only zeros come: it
-    keeps nobody out who drives. One that was asked for is kept by zeros, too.
+    A client that takes it by a command need not know about leases, and many pages send zeros all
+    day. So a lease that was taken by a command is weak while only zeros come: it does not keep
+    another driver out. Zeros keep a lease that a client has asked for.
     """
 
     holder: Hashable

@@ -6,7 +6,7 @@ from typing import Final
 from gateway.drive.effects import Changed, Effects, Send
 from gateway.drive.velocity import ZERO
 
-ZEROS: Final = 5  # one is enough for a reliable reader; a best-effort one may lose some
+ZEROS: Final = 5  # one is enough for a reliable reader, but a best-effort one may lose some
 ZERO_PERIOD_NS: Final = 50_000_000  # the last one after 200 ms
 LIFESPAN_NS: Final = 250_000_000  # of every command, in DDS: an old one must not move anything
 
@@ -19,7 +19,7 @@ class Zeros:
         self.next_ns = 0
 
     def begin(self, now_ns: int) -> Effects:
-        """Send the first one; `tick` sends the others."""
+        """Send the first one. `tick` sends the others."""
         self.left, self.next_ns = ZEROS, now_ns
         return self.tick(now_ns)
 

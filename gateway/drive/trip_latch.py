@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The trip latch: after a stop that nobody asked for, a robot moves again only when told anew.
+"""The trip latch: after a stop that the driver did not ask for, it keeps the robot stopped.
 
-A link that was cut delivers, when it is back, everything that was sent meanwhile, within
-milliseconds: commands to move, and among them commands to stop, of an operator whose hand is
-elsewhere by now. A command to stop therefore resets the latch only when `QUIET_NS` have passed
-after it without a command to move. In a backlog the next one comes within milliseconds; an operator
-takes longer to let go and to push anew. A command that is proved fresh by its client's clock resets
-it at once.
+When a network is back, it delivers within milliseconds everything that was sent while it was dead:
+commands to move, and among them commands to stop. The operator has let go long ago. So a command to
+stop resets the latch only when `QUIET_NS` have passed after it without a command to move. In a
+backlog the next one comes within milliseconds. An operator takes longer to let go and push again. A
+command that its client's clock proves fresh resets it at once.
 """
 
 from typing import Final
@@ -54,7 +53,7 @@ class TripLatch:
             self._zero_ns = now_ns
 
     def spoil(self) -> Effects:
-        """Take a command to move: the reset has to begin anew. Return what watchers see of it."""
+        """Take a command to move: the reset must begin again. Return what watchers see of it."""
         self._zero_ns = None
         had_single, self.allows_single = self.allows_single, False
         return [Changed()] if had_single else []

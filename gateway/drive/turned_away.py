@@ -9,9 +9,8 @@ from gateway.drive.effects import Command
 class TurnedAway:
     """The time at which each of them last pushed, for as long as it is connected.
 
-    Its stick does not move the robot when the other's lease ends: nobody has pushed it anew, and
-    nobody may expect the robot to move. A client has let go once it has commanded to stop, or
-    nothing for a deadline.
+    Its joystick does not move the robot when the other's lease ends, because that surprises people.
+    A client has let go once it has commanded to stop, or has sent nothing for a deadline.
     """
 
     def __init__(self) -> None:
@@ -22,14 +21,14 @@ class TurnedAway:
         return len(self._pushed_ns)
 
     def refuse(self, command: Command, now_ns: int) -> None:
-        """Take note of a command that was refused, as another client drives."""
+        """Note a command that was refused because another client drives."""
         if command.velocity.is_zero:
             self.forget(command.client)
         else:
             self._pushed_ns[command.client] = now_ns
 
     def still_pushes(self, command: Command, now_ns: int, deadline_ns: int) -> bool:
-        """Take a command that nobody is in the way of; return whether its client has to let go."""
+        """Take a command while no other client drives. Return whether its client must let go."""
         pushed_ns = self._pushed_ns.get(command.client)
         if pushed_ns is None:
             return False
@@ -40,5 +39,5 @@ class TurnedAway:
         return True
 
     def forget(self, client: Hashable) -> None:
-        """Expect nothing of a client that has let go, has left, or has asked for control."""
+        """Forget a client that has let go, has left, or has asked for control."""
         self._pushed_ns.pop(client, None)

@@ -14,7 +14,7 @@ _LITTLE_ENDIAN: Final = b"\0\1\0\0"  # the encapsulation header of CDR (DDSI-RTP
 
 
 def encode(type_name: str, velocity: Velocity, stamp_ns: int = 0, frame_id: str = "") -> bytes:
-    """Return a message of one of the `COMMAND_TYPES`; a Twist has no stamp."""
+    """Return a message of one of the `COMMAND_TYPES`. A Twist has no stamp."""
     numbers = struct.pack("<6d", *velocity)
     if type_name == TWIST:
         return _LITTLE_ENDIAN + numbers

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Velocity(NamedTuple):
-    """Linear in m/s, angular in rad/s, both of x, y and z; finite."""
+    """Linear in m/s and angular in rad/s, both of x, y and z. All are finite."""
 
     linear_x: float = 0.0
     linear_y: float = 0.0
@@ -26,7 +26,7 @@ class Velocity(NamedTuple):
         return all(map(math.isfinite, self))
 
     def clamped(self, max_linear: float, max_angular: float) -> "Velocity":
-        """Return it with neither speed above its limit; the directions stay."""
+        """Return it with neither speed above its limit. The directions stay."""
         linear = _shortened(self[:3], max_linear)
         angular = _shortened(self[3:], max_angular)
         return Velocity(*linear, *angular)

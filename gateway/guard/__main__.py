@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The guard process; the gateway starts it, see `gateway.guard`."""
+"""The guard process. The gateway starts it, see `gateway.guard`."""
 
 import contextlib
 import os
@@ -24,22 +24,22 @@ from gateway.ros.stand_alone import StandAlone, StandAlonePublisher
 
 DISCOVERY_PERIOD_NS: Final = 20_000_000
 PROOF_PERIOD_NS: Final = 5_000_000  # a reader takes as long to acknowledge (heartbeatResponseDelay)
-# Meanwhile a zero that is lost is sent again; a lifespan that ends would count as acknowledged.
+# A lost zero is sent again after this time. One whose lifespan ends would count as acknowledged.
 PROOF_ZERO_NS: Final = 100_000_000
-ACKNOWLEDGED_S: Final = 0.5  # a reader that has not got the last zero by then has gone, too
+ACKNOWLEDGED_S: Final = 0.5  # a reader that has not got the last zero by then has gone as well
 
 
 @dataclass(slots=True)
 class _Output:
-    """A publisher, and what its messages need beside six zeros."""
+    """A publisher, and what its messages need in addition to six zeros."""
 
     type_name: str
     publisher: StandAlonePublisher
     opened_ns: int
     number: int  # of the `open`
-    missing: set[str]  # subscriptions that the gateway knows, and are not discovered here
+    missing: set[str]  # subscriptions that the gateway knows, but this process has not discovered
     is_told: bool = False  # that it is open
-    proof_ns: int | None = None  # since when it is proved that zeros arrive
+    proof_ns: int | None = None  # when the proof that zeros arrive began
     proof_zero_ns: int = 0  # when the last zero of the proof went out
     stamp_offset_ns: int = 0
     frame_id: str = ""
@@ -55,7 +55,7 @@ class _Output:
 
 
 class GuardLoop:
-    """The loop of the process; everything happens on its one thread."""
+    """The loop of the process. Everything happens on its one thread."""
 
     def __init__(self, ros: StandAlone, silence_ns: int, answers: int) -> None:
         """*answers* is the descriptor on which the gateway listens."""
@@ -110,7 +110,7 @@ class GuardLoop:
         for line in lines:
             self._obey(orjson.loads(line), now_ns)
         if len(self._rest) > MAX_LINE_BYTES:
-            raise SystemExit("the guard's input is no line")
+            raise SystemExit("the guard's input is not a line")
         if lines and now_ns - self._heard_ns >= HEARD_S * 1e9:
             self._heard_ns = now_ns
             self._say("heard")
@@ -165,7 +165,7 @@ class GuardLoop:
         return not missing
 
     def _prove(self) -> None:
-        """Publish zeros where it is to be proved that they arrive, and report where they have."""
+        """Publish zeros on topics that need a proof, and report the topics that have it."""
         for topic, output in self._outputs.items():
             if output.proof_ns is None:
                 continue
@@ -188,7 +188,7 @@ class GuardLoop:
         return self._has_discovered(topic) and self._outputs[topic].publisher.is_acknowledged
 
     def _say(self, *message: str | int) -> None:
-        with contextlib.suppress(OSError):  # the gateway is gone: the end of the input says so
+        with contextlib.suppress(OSError):  # the gateway is gone, as the end of the input says
             os.write(self._answers, orjson.dumps(message) + b"\n")
 
     def _send(self, topics: Iterable[str]) -> None:
@@ -200,9 +200,9 @@ class GuardLoop:
 
 
 def _own_answers() -> int:
-    """Keep the pipe to the gateway for answers, and have whoever prints write to the log.
+    """Keep the pipe to the gateway for answers, and send all that is printed to the log.
 
-    DDS reports on standard output that there is no room for shared memory, among other things.
+    DDS prints, for example, that there is no room for shared memory.
     """
     answers = os.dup(1)
     os.dup2(2, 1)
@@ -211,7 +211,7 @@ def _own_answers() -> int:
 
 def main() -> None:
     """Run with ``{"name", "namespace", "domain_id", "silence_ns"}`` as the only argument."""
-    # Ctrl-C and a service's stop reach the whole group; the guard ends after the gateway.
+    # Ctrl-C and the stop of a service reach the whole group. The guard ends after the gateway.
     for number in (*ENDING, signal.SIGHUP, signal.SIGPIPE):
         signal.signal(number, signal.SIG_IGN)
     answers = _own_answers()

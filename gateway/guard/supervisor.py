@@ -22,7 +22,7 @@ from gateway.guard import MARGIN_S, MAX_LINE_BYTES, MAX_READERS, REPEAT_S
 RESTART_S: Final = 0.5  # doubled each time, up to
 MAX_RESTART_S: Final = 30.0
 STABLE_S: Final = 60.0  # after so long a restart is the first one again
-# A guard that is spoken to all the time answers ten times a second.
+# A guard that gets messages all the time answers ten times a second.
 UNANSWERED_S: Final = 1.0
 SLOW_START_S: Final = 20.0  # it imports rclpy and joins DDS: one second, on a busy machine ten
 END_S: Final = 0.7  # with the clients' closing handshakes, less than the 2 s of a shutdown
@@ -44,7 +44,7 @@ class _Topic:
 class GuardProcess:
     """One guard process at a time, on the running loop. Implements `router.commands.guard.Guard`.
 
-    Nothing here waits: what the pipe does not take at once means that the guard is not there.
+    Nothing here waits: if the pipe does not take a line at once, the guard is not there.
     """
 
     def __init__(
@@ -89,7 +89,7 @@ class GuardProcess:
                 why = f"has not become ready within {waited_s:.0f} s"
         if why is None:
             return ()
-        text = f"the guard process {why}: commands to move are refused, until another is there"
+        text = f"the guard process {why}: commands to move are refused until another is ready"
         return (Fault("degraded", text),)
 
     async def __aenter__(self) -> Self:
@@ -111,12 +111,12 @@ class GuardProcess:
         process.wait()
 
     def start(self) -> None:
-        """Start the process; commands to move wait until it is ready."""
+        """Start the process. Commands to move wait until it is ready."""
         self._restart = None
         self._killed = [each for each in self._killed if each.poll() is None]
         self._started_s = time.monotonic()
         try:
-            # a group of its own: Ctrl-C in a terminal is for the gateway
+            # a separate group: Ctrl-C in a terminal is for the gateway
             self._process = process = subprocess.Popen(
                 self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, process_group=0
             )
@@ -130,7 +130,7 @@ class GuardProcess:
     # For the command topics
 
     def open(self, topic: str, type_name: str, readers: Collection[str], on_state: OnState) -> None:
-        """Have the guard prepare for a topic; *on_state* is called when it has, or is lost."""
+        """Have the guard prepare for a topic. *on_state* is called when it has, or is lost."""
         some = sorted(readers)[:MAX_READERS]
         self._topics[topic] = _Topic(type_name, some, on_state, next(self._numbers))
         if self.is_ready:
@@ -174,7 +174,7 @@ class GuardProcess:
         """Write what is repeated often, unless the guard answers nothing: then it is lost."""
         now_ns = time.monotonic_ns()
         if now_ns - self._wrote_ns > UNANSWERED_S * 1e9 / 2:
-            self._asked_ns = None  # it was not spoken to, and owes no answer
+            self._asked_ns = None  # it got no message, and owes no answer
         if self._asked_ns is None:
             self._asked_ns = now_ns
         elif now_ns - self._asked_ns > UNANSWERED_S * 1e9:
@@ -190,7 +190,7 @@ class GuardProcess:
             # less than PIPE_BUF, so it is written as a whole or not at all
             os.write(_fd(self._process.stdin), line)
         except OSError:  # full, or closed
-            self._lose("takes nothing any more")
+            self._lose("no longer reads its input")
         self._wrote_ns = time.monotonic_ns()
 
     def _read(self) -> None:
@@ -230,11 +230,11 @@ class GuardProcess:
                     self._topics[topic].on_state("prepared" if verb == "opened" else "ready")
             case ["failed", topic, reason] if topic in self._topics:
                 extra = {"topic": topic}
-                logger.error("the guard process cannot guard it: %s", reason, extra=extra)
+                logger.error("the guard process cannot guard this topic: %s", reason, extra=extra)
                 self._topics[topic].on_state("lost")
             case ["stopped", topic]:
                 extra = {"topic": topic}
-                logger.warning("stopped by the guard: the gateway was silent", extra=extra)
+                logger.warning("the guard process stopped the robot: the gateway hung", extra=extra)
 
     def _lose(self, why: str) -> None:
         """Give up the process, stop what moves, and start another a little later."""
@@ -245,12 +245,12 @@ class GuardProcess:
             self._forget()
             process.kill()
             if process.poll() is None:
-                # killed, and so gone in no time; it must not stay as a zombie
+                # killed, and so gone in no time, but it must not stay as a zombie
                 self._killed.append(process)
         if time.monotonic() - self._started_s > STABLE_S:
             self._restart_s = RESTART_S
         logger.error(
-            "the guard process %s: commands to move are refused until another is there", why
+            "the guard process %s: commands to move are refused until another is ready", why
         )
         self._restart = asyncio.get_running_loop().call_later(self._restart_s, self.start)
         self._restart_s = min(2 * self._restart_s, MAX_RESTART_S)

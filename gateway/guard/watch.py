@@ -7,8 +7,8 @@ from typing import Final
 
 from gateway.drive.stop import ZERO_PERIOD_NS, ZEROS
 
-# While a robot that moves may not have discovered the guard's publisher, zeros do not count, for
-# longer than discovery takes on a busy machine. Then there is no robot.
+# Until a robot has discovered the guard's publisher, zeros do not count. This is longer than
+# discovery takes on a busy machine. If it is over, there is no robot.
 UNHEARD_NS: Final = 4_000_000_000
 
 
@@ -22,7 +22,7 @@ class _Watched:
 
 
 class CommandWatch:
-    """The topics that are open, and which of them somebody moves."""
+    """The topics that are open, and which of them move a robot."""
 
     def __init__(self, silence_ns: int) -> None:
         self._silence_ns = silence_ns
@@ -42,7 +42,7 @@ class CommandWatch:
         return any(each.zeros_left for each in self._topics.values())
 
     def open(self, topic: str) -> None:
-        """Watch a topic; nothing moves yet."""
+        """Watch a topic. Nothing moves yet."""
         self._topics.setdefault(topic, _Watched())
 
     def close(self, topic: str) -> None:
@@ -50,7 +50,7 @@ class CommandWatch:
         self._topics.pop(topic, None)
 
     def moving(self, topic: str, now_ns: int) -> None:
-        """Take note of a command to move."""
+        """Note a command to move."""
         watched = self._topics.get(topic)
         if watched is not None:
             watched.is_moving = True
@@ -58,13 +58,13 @@ class CommandWatch:
             watched.zeros_left = 0
 
     def rest(self, topic: str) -> None:
-        """Take note that the gateway has stopped a topic itself."""
+        """Note that the gateway has stopped a topic itself."""
         watched = self._topics.get(topic)
         if watched is not None:
             watched.is_moving = False
 
     def silent(self, now_ns: int) -> list[str]:
-        """Begin to stop the topics that move although nothing was heard for too long."""
+        """Begin to stop the topics that move although the gateway was silent for too long."""
         late = [
             topic
             for topic, each in self._topics.items()
@@ -81,7 +81,7 @@ class CommandWatch:
                 self._begin(each, now_ns)
 
     def zeros(self, now_ns: int, is_heard: Callable[[str], bool]) -> list[str]:
-        """Return the topics on which a zero is due now; *is_heard* says where all hear it."""
+        """Return the topics with a zero due now. *is_heard* says if all listeners hear it."""
         due = [
             topic
             for topic, each in self._topics.items()

@@ -168,7 +168,7 @@ def test_a_file_that_cannot_be_written_is_an_error_of_the_configuration(tmp_path
         AuditFile(tmp_path, 1000)
 
 
-def test_a_disk_that_hangs_holds_up_nobody_and_a_bounded_number_of_lines_wait(
+def test_a_disk_that_hangs_delays_nothing_and_a_bounded_number_of_lines_wait(
     tmp_path, monkeypatch, caplog
 ):
     began, go_on = threading.Event(), threading.Event()
@@ -202,7 +202,7 @@ def test_a_disk_that_hangs_leaves_the_shutdown_its_time(tmp_path, monkeypatch):
     assert sum(waits_s) + supervisor.END_S < app.SHUTDOWN_S
 
 
-def test_a_full_disk_is_said_once_and_when_it_is_over(tmp_path, monkeypatch, caplog):
+def test_a_full_disk_is_logged_once_and_when_it_is_over(tmp_path, monkeypatch, caplog):
     file = AuditFile(tmp_path / "audit.jsonl", 10_000_000)
     done = threading.Semaphore(0)
     is_full = True

@@ -16,7 +16,7 @@ def authentication(anonymous_role=None) -> Authentication:
     return Authentication(Tokens((TOKEN,)), POLICY, anonymous_role)
 
 
-def test_a_token_says_who_a_client_is():
+def test_a_token_identifies_its_client():
     identity = authentication().identify(TEXT, "10.0.0.1", 0.0)
     assert (identity.name, identity.role, identity.digest) == ("tablet", "operator", TOKEN.digest)
     assert identity.permissions is POLICY.of("operator")
@@ -49,11 +49,11 @@ def test_without_a_token_a_client_is_anonymous_or_nobody():
 
 
 @pytest.mark.parametrize(("role", "looks"), [(None, True), ("viewer", True), ("admin", False)])
-def test_tokens_are_looked_at_where_they_make_a_difference(role, looks):
+def test_tokens_are_checked_if_they_make_a_difference(role, looks):
     assert authentication(role).looks_at_tokens is looks
 
 
-def test_after_a_reload_a_client_is_who_its_token_says_now():
+def test_after_a_reload_a_client_has_the_identity_of_its_token():
     door = authentication("viewer")
     tablet, anonymous = door.identify(TEXT, "a", 0.0), door.anonymous
     assert anonymous is not None

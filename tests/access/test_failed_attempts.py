@@ -23,7 +23,7 @@ def test_ten_thousand_failures_of_ten_thousand_addresses_leave_bounded_memory():
     assert len(failed) == 1024
 
 
-def test_who_fails_is_remembered_longer_than_who_has_stopped():
+def test_an_address_that_still_fails_is_remembered_longer_than_one_that_has_stopped():
     failed = FailedAttempts()
     for number in range(MAX_ADDRESSES * 2):
         failed.add(f"10.1.{number // 256}.{number % 256}", 1.0)

@@ -65,7 +65,7 @@ def test_a_name_is_seen_by_a_role_that_may_do_anything_with_it(action):
     assert not rules.sees("/b")
 
 
-def test_who_may_not_use_an_action_may_not_use_what_is_behind_it_either():
+def test_without_permission_for_an_action_its_services_are_denied_as_well():
     rules = permissions(call=("**",), subscribe=("**",), deny_call=("/dock",))
     assert not rules.may("call", "/dock")
     assert not rules.may("call", "/dock/_action/send_goal")
@@ -83,7 +83,7 @@ def test_only_a_role_without_bounds_is_unlimited():
         assert not permissions(**{**everything, action: ("/a",)}).is_unlimited
 
 
-def test_decisions_on_names_without_end_take_bounded_memory():
+def test_decisions_on_any_number_of_names_take_bounded_memory():
     rules = permissions(publish=("/a/**",))
     remembered = set()
     for number in range(10_000):

@@ -35,7 +35,9 @@ EVERYWHERE = ("0.0.0.0", "::")  # noqa: S104  # compared, not bound
         ({}, {"authentication": "none"}, LOOPBACKS, False, "admin"),
     ],
 )
-def test_whatever_other_machines_reach_asks_for_tokens(config, access, hosts, is_open, anonymous):
+def test_a_gateway_that_other_machines_reach_asks_for_tokens(
+    config, access, hosts, is_open, anonymous
+):
     posture = posture_of(Config(**config, access=AccessConfig(**access)))
     assert (posture.hosts, posture.is_open, posture.anonymous_role) == (hosts, is_open, anonymous)
     assert posture.needs_token is (anonymous is None)

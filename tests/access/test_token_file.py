@@ -32,7 +32,7 @@ def test_only_its_owner_may_read_the_file_and_its_folder(tmp_path):
     assert [each.name for each in path.parent.iterdir()] == ["tokens.json"]
 
 
-def test_no_file_is_no_tokens(tmp_path):
+def test_a_missing_file_has_no_tokens(tmp_path):
     assert read(tmp_path / "tokens.json") == Tokens()
 
 
@@ -45,7 +45,7 @@ def test_a_file_that_others_may_write_is_refused_with_the_remedy(tmp_path, mode)
         read(path)
 
 
-def test_what_cannot_be_read_is_an_error_with_the_path(tmp_path):
+def test_an_unreadable_file_is_an_error_with_the_path(tmp_path):
     with pytest.raises(TokenFileError, match=f"cannot read {tmp_path}, is a directory"):
         read(tmp_path)
     path = tmp_path / "tokens.json"
@@ -53,7 +53,7 @@ def test_what_cannot_be_read_is_an_error_with_the_path(tmp_path):
     with pytest.raises(TokenFileError, match="more than 1048576 bytes"):
         read(path)
     path.write_text("no JSON")
-    with pytest.raises(TokenFileError, match=f"{path} is no token file: the text: invalid json"):
+    with pytest.raises(TokenFileError, match=f"{path} is not a token file: the text: invalid json"):
         read(path)
 
 
@@ -64,7 +64,7 @@ def test_a_change_that_fails_leaves_the_file_as_it_was(tmp_path):
     with pytest.raises(TokenFileError, match="no token is named b"):
         change(path, lambda tokens: tokens.without("b"))
     path.write_text("damaged")
-    with pytest.raises(TokenFileError, match="no token file"):
+    with pytest.raises(TokenFileError, match="not a token file"):
         change(path, lambda tokens: tokens)
     assert path.read_text() == "damaged"
     assert before

@@ -53,7 +53,7 @@ def test_a_token_itself_is_kept_nowhere():
 
 
 @given(st.text() | st.text(st.characters(categories=["Cs", "Cc", "Lo"])))
-def test_any_text_is_compared_and_is_no_token(text):
+def test_any_text_is_compared_and_is_not_a_token(text):
     _, tokens = some(2)
     assert tokens.find(text) is None
 
@@ -102,7 +102,7 @@ def test_the_file_reads_as_it_was_written():
         (b'{"version":1,"tokens":\xff}', "the text: invalid json"),
     ],
 )
-def test_what_is_no_token_file_is_refused_with_the_place(text, reason):
+def test_a_file_with_other_content_is_refused_with_the_place(text, reason):
     with pytest.raises(TokenFileError, match=reason):
         from_json(text)
 
@@ -142,7 +142,7 @@ def test_adding_and_removing_leave_the_others():
 def test_the_number_of_tokens_is_bounded():
     _, tokens = some(999)
     tokens = tokens.added(make_token("the-last", "viewer", NOW)[1])
-    with pytest.raises(TokenFileError, match="at most 1000 tokens"):
+    with pytest.raises(TokenFileError, match="there are 1000 tokens already"):
         tokens.added(make_token("one-more", "viewer", NOW)[1])
 
 

@@ -26,7 +26,7 @@ def test_an_address_and_a_name_of_this_machine_are_own(host, is_own):
 
 
 @pytest.mark.parametrize("host", ["", ":9090", "["])
-def test_what_is_no_host_is_an_error(host):
+def test_a_malformed_host_is_an_error(host):
     with pytest.raises(ValueError):  # noqa: PT011  # of urlsplit, or ours
         WebRules(OWN).is_own_host(host)
 

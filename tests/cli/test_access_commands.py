@@ -45,9 +45,9 @@ def test_a_token_is_made_listed_and_revoked(home: Path):
 
 
 def test_a_mistake_with_a_token_is_one_sentence(home: Path):
-    assert sentence("token", "revoke", "x") == "no token is named x"
+    assert sentence("token", "revoke", "x") == "no token is named x: see `ros2-gateway token list`"
     ros2_gateway("token", "create", "x")
-    assert sentence("token", "create", "x") == "a token named x exists already"
+    assert sentence("token", "create", "x") == "a token named x exists already: choose another name"
     assert sentence("token", "create", "a b").startswith("got name 'a b', expected letters")
     (home / "tokens.json").chmod(0o666)
     assert sentence("token", "list").endswith(f"chmod 600 {home / 'tokens.json'}")

@@ -261,7 +261,10 @@ def test_check_config_accepts_a_right_file(tmp_path):
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("port = 9443\ntls.port = 9443\n", "tls.port: 9443 is the plain port already"),
+        (
+            "port = 9443\ntls.port = 9443\n",
+            "tls.port: 9443 is the plain port already: choose another",
+        ),
         (
             "tls.cert = '/nowhere/cert.pem'\n",
             "tls.cert, tls.key: cannot read the files, no such file or directory",

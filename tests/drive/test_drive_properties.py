@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever happens in whatever order: nothing moves the robot that must not.
+"""Events in any order never move a robot that must not move.
 
 The model keeps a history and judges each command that goes out by reading back in it. It knows the
 rules in words, none of the drive's state.
@@ -57,7 +57,7 @@ class Driving(RuleBasedStateMachine):
 
     @rule(client=CLIENTS, velocity=VELOCITIES, age=AGES)
     def command(self, client: str, velocity: Velocity, age) -> None:
-        # what was due before: the drive does it first, too, and the history is in its order
+        # do what was due first, as the drive does, so that the history is in its order
         self.judge(self.drive.tick(self.now))
         self.history.append(Event(self.now, "command", client, velocity, age))
         self.judge(self.drive.command(Command(client, velocity, age), self.now))
@@ -111,7 +111,7 @@ class Driving(RuleBasedStateMachine):
     @rule(client=CLIENTS, method=st.sampled_from(["stop", "acquire", "release", "invalid"]))
     def operate(self, client: str, method: str) -> None:
         over = {"stop": "abc", "acquire": "abc".replace(client, "")}.get(method, client)
-        self.history += [Event(self.now, "gone", each) for each in over]  # what they have sent
+        self.history += [Event(self.now, "gone", each) for each in over]  # their commands
         if method == "acquire":
             self.history.append(Event(self.now, "asked", client))
         self.judge(getattr(self.drive, method)(client, self.now))

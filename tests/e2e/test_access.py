@@ -167,7 +167,7 @@ async def test_a_reload_that_fails_changes_nothing_and_says_why(tokens: Path, tm
             write(tokens, "damaged")
             gateway.process.send_signal(signal.SIGHUP)
             await eventually(lambda: logged(gateway, "not reloaded, the old configuration stays"))
-            assert logged(gateway, f"{tokens} is no token file")
+            assert logged(gateway, f"{tokens} is not a token file")
             write(tokens, good)
             config.write_text("lan = true\n[access.operator]\nsubscribe = 'x'\n")
             gateway.process.send_signal(signal.SIGHUP)

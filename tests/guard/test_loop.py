@@ -20,7 +20,7 @@ S = 1_000_000_000
 
 
 class Publisher:
-    """Notes its zeros; they are acknowledged as *is_acknowledged* says."""
+    """Notes its zeros, which are acknowledged as *is_acknowledged* says."""
 
     def __init__(self, now_s: Callable[[], float], is_acknowledged: Callable[[], bool]) -> None:
         self._now_s = now_s
@@ -40,7 +40,7 @@ class Publisher:
 
 
 class Pipe:
-    """What the gateway writes and when, and what the guard answers; time passes in `poll` alone."""
+    """The lines of the gateway and the answers of the guard. Time passes only in `poll`."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.began_ns = self._now_ns = 10 * S
@@ -108,14 +108,14 @@ def opening(*readers: str, after_s: float = 0.0, number: int = 1) -> tuple[float
     return (after_s, ["open", TOPIC, TWIST, number, *readers])
 
 
-def test_a_guard_that_is_spoken_to_all_the_time_answers_ten_times_a_second(pipe: Pipe) -> None:
+def test_a_guard_that_gets_messages_all_the_time_answers_ten_times_a_second(pipe: Pipe) -> None:
     pipe.written = [(turn * 0.02, ["rest", TOPIC]) for turn in range(500)]
     pipe.end_s = 10.0
     pipe.run()
     assert len(pipe.answered("heard")) == 100
 
 
-def test_a_topic_that_its_readers_do_not_discover_is_open_after_4_s(pipe: Pipe) -> None:
+def test_a_topic_whose_readers_are_not_discovered_is_open_after_4_s(pipe: Pipe) -> None:
     pipe.written = [opening("robot")]
     pipe.end_s = 60.0
     pipe.run()
@@ -123,7 +123,7 @@ def test_a_topic_that_its_readers_do_not_discover_is_open_after_4_s(pipe: Pipe) 
     assert pipe.answered("opened") == [pytest.approx(4.0, abs=0.021)]
 
 
-def test_whether_readers_have_come_is_looked_at_50_times_a_second(pipe: Pipe) -> None:
+def test_the_guard_looks_for_readers_50_times_a_second(pipe: Pipe) -> None:
     pipe.written = [opening("robot")]
     pipe.end_s = 60.0
     pipe.found_s["robot"] = 2.0
@@ -133,7 +133,7 @@ def test_whether_readers_have_come_is_looked_at_50_times_a_second(pipe: Pipe) ->
     assert 90 <= pipe.polls <= 105
 
 
-def test_a_robot_that_comes_up_beside_other_listeners_is_waited_for(pipe: Pipe) -> None:
+def test_the_guard_waits_for_a_robot_that_comes_up_next_to_other_listeners(pipe: Pipe) -> None:
     pipe.written = [
         opening("recorder", number=1),
         opening("recorder", "robot", after_s=10.0, number=2),
@@ -150,7 +150,7 @@ def test_a_robot_that_comes_up_beside_other_listeners_is_waited_for(pipe: Pipe) 
 PROVE = ["prove", TOPIC, 0, ""]
 
 
-def test_that_zeros_arrive_is_proved_once_all_have_acknowledged_one(pipe: Pipe) -> None:
+def test_the_proof_ends_once_all_readers_have_acknowledged_a_zero(pipe: Pipe) -> None:
     pipe.written = [opening(), (1.0, PROVE), (1.1, PROVE)]
     pipe.end_s = 60.0
     pipe.acknowledges_after_s = 1.23
@@ -189,7 +189,7 @@ def test_a_stop_goes_on_until_the_robot_is_discovered_and_has_it_though_others_h
     assert pipe.publisher.zeros_s[-1] == pytest.approx(2.2, abs=0.06)
 
 
-def test_the_last_zero_is_waited_for_within_the_time_that_the_gateway_has(pipe: Pipe) -> None:
+def test_the_guard_waits_for_the_last_zero_within_the_time_that_the_gateway_has(pipe: Pipe) -> None:
     pipe.written = [opening("robot"), (0.1, ["moving", TOPIC, 0, ""])]
     pipe.end_s = pipe.found_s["robot"] = 0.2
     pipe.run()

@@ -62,7 +62,7 @@ async def test_the_end_of_the_pipe_stops_what_moves_with_the_stamp_and_frame_it_
         assert not any(message["twist"]["linear"].values())
 
 
-async def test_a_gateway_that_is_silent_is_stopped_for_and_one_that_has_stopped_is_not(
+async def test_the_guard_acts_for_a_silent_gateway_and_not_for_one_that_has_stopped(
     outside: Outside,
 ):
     heard: list[Sample] = []

@@ -70,7 +70,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 
 @contextlib.asynccontextmanager
 async def supervised(source: str) -> AsyncIterator[tuple[GuardProcess, list[GuardState]]]:
-    """Run a stand-in; yield its supervisor and the states of one topic."""
+    """Run a stand-in, and yield its supervisor and the states of one topic."""
     states: list[GuardState] = []
     async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
         guard.command = (sys.executable, "-c", source)
@@ -91,7 +91,7 @@ async def test_a_topic_that_was_opened_before_the_guard_was_ready_is_opened_then
     assert not is_running(pid)
 
 
-async def test_an_answer_to_what_was_asked_before_says_nothing_of_who_has_joined_since():
+async def test_an_answer_to_an_earlier_question_says_nothing_about_newer_listeners():
     async with supervised(SLOW) as (guard, states):
         await eventually(lambda: states == ["prepared"])
         guard.open(TOPIC, TWIST, ["c"], states.append)
@@ -103,7 +103,7 @@ async def test_an_answer_to_what_was_asked_before_says_nothing_of_who_has_joined
         assert states == ["prepared"] * 2
 
 
-async def test_of_many_who_listen_a_line_has_room_for_100(capfd):
+async def test_a_line_has_room_for_100_listeners(capfd):
     async with supervised(ANSWERS) as (guard, states):
         await eventually(lambda: states == ["prepared"])
         guard.open(f"/{'t' * 249}", TWIST, [f"{n:032x}" for n in range(200)], states.append)
@@ -113,9 +113,7 @@ async def test_of_many_who_listen_a_line_has_room_for_100(capfd):
     assert len(line) < MAX_LINE_BYTES
 
 
-async def test_what_is_said_reaches_the_guard_and_repetitions_within_20_ms_do_not(
-    capfd, clock: Clock
-):
+async def test_messages_reach_the_guard_and_repetitions_within_20_ms_do_not(capfd, clock: Clock):
     async with supervised(ANSWERS) as (guard, states):
         await eventually(lambda: states == ["prepared"])
         for _ in range(3):
@@ -144,7 +142,7 @@ async def test_a_guard_that_is_lost_is_replaced(source: str):
 
 
 @pytest.mark.parametrize("verb", ["moving", "prove"])
-async def test_a_guard_that_answers_nothing_for_a_second_while_somebody_drives_is_lost(
+async def test_a_guard_that_answers_nothing_for_a_second_while_a_client_drives_is_lost(
     clock: Clock, verb: str
 ):
     async with supervised(SILENT) as (guard, states):
@@ -155,7 +153,7 @@ async def test_a_guard_that_answers_nothing_for_a_second_while_somebody_drives_i
             clock.now_s += 0.03
 
 
-async def test_a_guard_that_is_not_spoken_to_owes_no_answer(clock: Clock):
+async def test_a_guard_that_gets_no_message_owes_no_answer(clock: Clock):
     async with supervised(SILENT) as (guard, states):
         await eventually(lambda: states == ["prepared"])
         for _ in range(3):

@@ -45,14 +45,14 @@ def test_a_gateway_that_has_stopped_the_robot_may_be_silent_and_may_end():
     assert not guard.is_stopping
 
 
-def test_a_gateway_that_is_gone_is_stopped_for_at_once():
+def test_the_guard_acts_at_once_for_a_gateway_that_is_gone():
     guard = watch()
     guard.moving(T, 0)
     guard.lost(5 * MS)
     assert zeros(guard, 5 * MS, 10_000 * MS)[0] == 5 * MS
 
 
-def test_the_end_of_the_pipe_does_not_begin_the_stop_anew_each_time():
+def test_the_end_of_the_pipe_begins_the_stop_only_once():
     guard = watch()
     guard.moving(T, 0)
     guard.lost(0)
@@ -71,7 +71,7 @@ def test_a_gateway_that_moves_the_robot_again_ends_the_guards_stop():
     assert guard.zeros(SILENCE_NS + 60 * MS, lambda topic: True) == []
 
 
-def test_zeros_that_nobody_hears_do_not_count_for_a_while():
+def test_zeros_that_no_robot_hears_do_not_count_for_a_while():
     guard = watch()
     guard.moving(T, 0)
     guard.lost(0)
@@ -91,7 +91,7 @@ def test_a_robot_that_misses_one_announcement_of_the_guard_hears_the_whole_stop(
     assert sum(each >= 3000 * MS for each in sent) == ZEROS
 
 
-def test_where_there_is_no_robot_a_guard_ends_soon_after_4_s():
+def test_without_a_robot_a_guard_ends_soon_after_4_s():
     guard = watch()
     guard.moving(T, 0)
     guard.lost(0)

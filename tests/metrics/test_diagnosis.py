@@ -40,10 +40,12 @@ def test_each_problem_has_a_level_and_a_text(
 
 
 def test_a_safety_stop_has_its_reason_and_the_next_step():
-    drive = DRIVE._replace(is_tripped=True, cause="commands ceased", stops={"deadline": 3})
+    drive = DRIVE._replace(
+        is_tripped=True, cause="commands stopped arriving", stops={"deadline": 3}
+    )
     found = of("drive /cmd_vel", summary(control=ControlState((drive,), True, 0)))
     assert found.level == WARN
-    assert found.text.startswith("stopped, commands ceased: send a zero command")
+    assert found.text.startswith("stopped, commands stopped arriving: send a zero command")
     assert found.values["stops: deadline"] == 3
 
 

@@ -266,4 +266,4 @@ async def test_after_stop_a_card_does_not_say_that_another_client_drives(demo, o
 
 async def test_a_card_drives_only_command_topics(demo, open_page):
     async with open_page(f"{page_address(demo)}#card=drive+0+/odom") as page:
-        await page.wait_for_selector(".control:has-text('/odom is no command topic')")
+        await page.wait_for_selector(".control:has-text('/odom is not a command topic')")

@@ -229,7 +229,9 @@ async def test_a_squeeze_stops_the_robot_and_the_approach(enter, speaker, headse
         await watched.until(state="moving")
         await press(page, "squeeze", "left")
         await page.wait_for_function("() => lab.pilot.words.includes('STOP')")
-        await watched.until(state="stopped", cause="stop")  # by this, not because commands ceased
+        await watched.until(
+            state="stopped", cause="stop"
+        )  # by this, not because commands stopped arriving
         assert not await page.evaluate("() => lab.pilot.isActive")
 
 

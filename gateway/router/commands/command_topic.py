@@ -42,8 +42,8 @@ from gateway.router.commands.twist_values import TwistValues
 from gateway.router.topic_counts import TopicCounts
 from gateway.router.topic_events import warning
 
-# Reliable, as a zero must arrive; the newest only, and not when it is old; and never retained: a
-# base that restarts must not get the last command before it did.
+# Reliable, because a zero must arrive. Only the newest goes out, and not when it is old. Nothing is
+# retained: a base that restarts must not get the last command from before.
 COMMAND_QOS: Final = Qos("reliable", "volatile", "keep_last", 1, lifespan_ns=LIFESPAN_NS)
 # Between two `control` frames: a client that toggles must not fill the others' queues.
 NOTICE_S: Final = 0.05
@@ -54,9 +54,9 @@ logger = logging.getLogger(__name__)
 class CommandTopic:
     """It is open while clients use it or it is stopping.
 
-    The guard prepares for it as soon as a type is known: a zero reaches only who has discovered
-    the guard's publisher before. Its drive stays for as long as the gateway runs: what was stopped
-    stays so, also for a client that comes back on another connection.
+    The guard prepares for it as soon as a type is known, because a zero reaches only a node that
+    has discovered the guard's publisher. Its drive stays for as long as the gateway runs. So a
+    stopped robot stays stopped, also for a client that reconnects.
     """
 
     def __init__(  # noqa: PLR0913  # one argument for each part that it shares
@@ -121,10 +121,10 @@ class CommandTopic:
         self._look_for_readers()
 
     def _on_event(self, event: TopicEvent) -> None:
-        """Log a subscription that no command reaches, and warn whoever drives."""
+        """Log a subscription that no command reaches, and warn the clients that drive."""
         if event.code != "type_conflict":
-            remedy = "let it ask for volatile, without a deadline and a lease"
-            reason = "what moves a robot is never kept for later"
+            remedy = "make it volatile, without a deadline and a lease"
+            reason = "the gateway never stores a command for later"
             event = event._replace(remedy=f"{reason}: {remedy}")
         self._report(event)
         logger.warning("%s", event.text, extra={"topic": self.name})
@@ -143,7 +143,7 @@ class CommandTopic:
         self._guard.open(self.name, type_name, self._readers, self._on_guard)
 
     def on_graph_change(self, types: tuple[str, ...]) -> None:
-        """Have the guard prepare for who listens; *types* are those that ROS knows."""
+        """Have the guard prepare for the listeners. *types* are those that ROS knows."""
         if self._guarded_type is None or (not self.is_open and types != (self._guarded_type,)):
             if len(types) == 1 and types[0] in COMMAND_TYPES:
                 self.prepare(types[0])
@@ -153,7 +153,7 @@ class CommandTopic:
     def _look_for_readers(self) -> None:
         """Stop for a new subscription of another node, and have the guard prepare for it.
 
-        It may be a robot's, which does not move until the stick is let go.
+        It may be a robot's, which does not move until the joystick is released.
         """
         known, self._readers = self._readers, self._ros.readers(self.name)
         if self._guarded_type is not None and not self._readers <= known:
@@ -161,13 +161,13 @@ class CommandTopic:
             self._guard.open(self.name, self._guarded_type, self._readers, self._on_guard)
 
     def driver(self, session: Session) -> Driver:
-        """Return the part of a client in an open topic; a new client gets one."""
+        """Return the part of a client in an open topic. A new client gets one."""
         return self.drivers.setdefault(session, Driver())
 
     def command(
         self, session: Session, values: TwistValues, request: Publish, waited_s: float
     ) -> None:
-        """Take a command of a client; whatever is refused is answered."""
+        """Take a command of a client, and answer it if it is refused."""
         now_ns = self._now_ns()
         driver = self.driver(session)
         driver.commands += 1
@@ -183,7 +183,7 @@ class CommandTopic:
         self._apply(self._drive.command(command, now_ns))
 
     def invalid(self, session: Session) -> None:
-        """Take note of a message that does not fit the type."""
+        """Note a message that does not fit the type."""
         self._apply(self._drive.invalid(session, self._now_ns()))
 
     def stop(self, session: Session) -> None:
@@ -201,12 +201,12 @@ class CommandTopic:
         self._apply(self._drive.release(session, self._now_ns()))
 
     def revoke(self, session: Session) -> None:
-        """Stop a client that may not drive any more."""
+        """Stop a client that lost the permission to drive."""
         self._apply(self._drive.revoke(session, self._now_ns()))
         self.leave(session)
 
     def withdraw(self, session: Session) -> None:
-        """End a client's advertisements; what it moves is stopped."""
+        """End a client's advertisements, and stop what it moves."""
         self.release(session)
         self._forget(session)
         self._close_if_idle()
@@ -250,7 +250,7 @@ class CommandTopic:
     # State
 
     def state(self, session: Session) -> dict[str, Any]:
-        """Return the members of a `control` frame for a client."""
+        """Return the fields of a `control` frame for a client."""
         status = self._drive.status
         holder = None
         if status.holder is not None:
@@ -290,7 +290,7 @@ class CommandTopic:
         for session in list(self.watchers):
             session.send(messages.answer("control", None, **self.state(session)))
 
-    # What the drive wants done
+    # The effects of the drive
 
     def _apply(self, effects: Iterable[Effect]) -> None:
         if self._drive.waits_for_proof:
@@ -298,7 +298,7 @@ class CommandTopic:
         for effect in effects:
             try:
                 self._carry_out(effect)
-            except Exception:  # our bug: it keeps nothing else back, least of all another stop
+            except Exception:  # our bug: it delays nothing else, least of all another stop
                 logger.exception("a command topic failed", extra={"topic": self.name})
         if not self._drive.needs_guard:
             self._rest()
@@ -345,7 +345,7 @@ class CommandTopic:
         stamp_ns = self._ros.now_ns() if type_name == TWIST_STAMPED else 0
         cdr = encode(type_name, effect.velocity, stamp_ns, self._frame_id)
         # The guard was found lost just now, a robot has joined, or the gateway stood still here and
-        # the guard stopped the robot: asked by the clock, not as of this turn, as late as can be.
+        # the guard stopped the robot: so look at the clock again, as late as possible.
         if not is_zero and not self._drive.may_move(time.monotonic_ns()):
             return
         try:
@@ -354,7 +354,7 @@ class CommandTopic:
         except RosError as error:
             logger.error("%s", error, extra={"topic": self.name})
         if not is_zero and publisher.new_matches():
-            self._look_for_readers()  # who was found in these microseconds hears a zero at once
+            self._look_for_readers()  # one that was just found hears a zero at once
 
     def _stamp_offset_ns(self) -> int:
         """Return ROS time less the monotonic clock, if messages have a stamp."""
@@ -382,11 +382,11 @@ class CommandTopic:
             session.answer("control", request.id, **self.state(session), clamped=True)
         else:
             linear, angular = self._rules.max_linear, self._rules.max_angular
-            text = f"topic {self.name}: clamped to {linear:g} m/s and {angular:g} rad/s"
+            text = f"topic {self.name}: too fast, clamped to {linear:g} m/s and {angular:g} rad/s"
             session.warn(ProtocolError("invalid_value", text), request.op, request.id)
 
     def _is_to_be_answered(self, session: Session, request: Operation, code: str) -> bool:
-        driver = self.drivers.get(session)  # None: it has withdrawn or left meanwhile
+        driver = self.drivers.get(session)  # None: it has withdrawn or left
         is_due = driver is not None and driver.is_due(code, self._now_ns())
         return is_due or request.id is not None
 
@@ -401,7 +401,7 @@ class CommandTopic:
     def _set_timer(self) -> None:
         due_ns = self._drive.due_ns
         if self._is_closed or due_ns is None or (self._timer and self._timer_ns <= due_ns):
-            return  # one that comes too early sets the next
+            return  # a timer that comes too early sets the next
         if self._timer:
             self._timer.cancel()
         delay_s = max(0.0, (due_ns - time.monotonic_ns()) / 1e9)

@@ -26,15 +26,15 @@ from gateway.router.topic_counts import CountsByTopic
 from gateway.router.topic_events import TopicEvents
 from gateway.router.topic_types import TopicTypes
 
-# Two clients that take over from each other all the time would drive a robot to and fro.
+# Two clients that take over from each other all the time would drive a robot back and forth.
 TAKEOVER_NS: Final = 1_000_000_000
 
 
 class Commands:
     """Carries out every operation on a command topic.
 
-    The time is read once in a turn of the event loop: commands that were read from a socket
-    together are as old as each other.
+    The time is read once in a turn of the event loop, so commands that were read together have the
+    same age.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class Commands:
         topic.driver(session).ids.add(request.id)
 
     def unadvertise(self, session: Session, name: TopicName, request: Unadvertise) -> None:
-        """Withdraw one advertisement, or without an id all of the client's; stop with the last.
+        """Withdraw one advertisement, or without an id all of the client's. Stop with the last.
 
         Raises:
             ProtocolError: the client has not advertised it.
@@ -123,7 +123,7 @@ class Commands:
             topic.withdraw(session)
 
     def publish(self, session: Session, name: TopicName, request: Publish) -> None:
-        """Take one command; open the topic first if nobody has.
+        """Take one command. Open the topic first if no client has.
 
         Raises:
             ProtocolError: the type or the message is wrong.
@@ -133,7 +133,7 @@ class Commands:
         waited_s = session.waited_s()  # before the topic is opened, which takes some time
         if not topic.is_open or request.type is not None or session not in topic.drivers:
             topic = self._opened(name, request.type)
-            if session not in topic.drivers:  # a later one may have an id of its own each time
+            if session not in topic.drivers:  # later ones may have another id each time
                 topic.driver(session).ids.add(request.id)
         assert topic.message_type is not None  # noqa: S101  # it is open
         try:
@@ -144,16 +144,16 @@ class Commands:
         topic.command(session, values, request, waited_s)
 
     def stop(self, session: Session, request: Stop) -> None:
-        """Stop one command topic, or all of which the type is known; never refused for its rate.
+        """Stop one command topic, or all with a known type. Never refused for its rate.
 
         Raises:
-            ProtocolError: the topic is no command topic.
+            ProtocolError: the topic is not a command topic.
         """
         chosen = [self._named(session, request.topic)] if request.topic else self._topics.values()
         stopped = []
         for topic in chosen:
             if not topic.is_open and not self._opens(topic):
-                continue  # neither a client nor a robot has ever named its type
+                continue  # its type is still unknown
             topic.driver(session)
             topic.stop(session)
             stopped.append(topic.name)
@@ -163,7 +163,7 @@ class Commands:
         """Give a client control of a topic.
 
         Raises:
-            ProtocolError: the topic is no command topic, the client may not publish on it, or
+            ProtocolError: the topic is not a command topic, the client may not publish on it, or
                 control has just been taken over.
         """
         topic = self._named(session, request.topic)
@@ -177,7 +177,7 @@ class Commands:
         """Take control of a topic back from a client.
 
         Raises:
-            ProtocolError: the topic is no command topic.
+            ProtocolError: the topic is not a command topic.
         """
         topic = self._named(session, request.topic)
         topic.release(session)
@@ -187,7 +187,7 @@ class Commands:
         """Answer with the state of a topic, and begin or end to send its changes.
 
         Raises:
-            ProtocolError: the topic is no command topic.
+            ProtocolError: the topic is not a command topic.
         """
         topic = self._named(session, request.topic)
         if request.watch is True:
@@ -202,22 +202,22 @@ class Commands:
             topic.on_graph_change(self._types.known(topic.name))
 
     def revoke(self, session: Session) -> None:
-        """Stop whatever a client moves: it may not any more."""
+        """Stop what a client moves, because it lost the permission."""
         for topic in self._topics.values():
             topic.revoke(session)
 
     def leave(self, session: Session) -> None:
-        """Stop whatever a client moves, and forget it."""
+        """Stop what a client moves, and forget it."""
         for topic in self._topics.values():
             topic.leave(session)
 
     def shut_down(self) -> None:
-        """Stop every robot now; from now on nothing moves."""
+        """Stop every robot. From now on nothing moves."""
         for topic in self._topics.values():
             topic.shut_down()
 
     def close(self) -> None:
-        """Release everything; what is stopping gets a last zero."""
+        """Release everything. A topic that is stopping gets a last zero."""
         for topic in self._topics.values():
             topic.close()
 
@@ -226,7 +226,7 @@ class Commands:
         taken_ns = self._taken_ns.get(name)
         if taken_ns is not None and now_ns - taken_ns < TAKEOVER_NS:
             text = f"control of {name} was taken over less than 1 s ago: try again in a second"
-            raise ProtocolError("limit_exceeded", f'{text}, or stop the robot by {{"op":"stop"}}')
+            raise ProtocolError("limit_exceeded", f'{text}, or stop the robot with {{"op":"stop"}}')
         self._taken_ns[name] = now_ns
 
     def _named(self, session: Session, requested: str | None) -> CommandTopic:
@@ -240,7 +240,7 @@ class Commands:
             raise ProtocolError("bad_request", f"topic: name one of {names}")
         name = resolve_topic(requested, session.limits.max_name_characters)
         if name not in visible:
-            raise ProtocolError("not_found", f"{name} is no command topic; these are {names}")
+            raise ProtocolError("not_found", f"{name} is not a command topic: use one of {names}")
         return self._topics[name]
 
     def _opened(self, name: TopicName, requested: str | int | None) -> CommandTopic:
@@ -262,16 +262,16 @@ class Commands:
         if message_type.name not in COMMAND_TYPES:
             raise ProtocolError(
                 "type_conflict",
-                f"topic {name} moves a robot and takes {' or '.join(COMMAND_TYPES)}, not"
+                f"topic {name} moves a robot and needs {' or '.join(COMMAND_TYPES)}, not"
                 f" {message_type.name} (setting control.topics)",
             )
         topic.open(message_type)
-        if self._turn_ns is not None:  # or the command for which it was opened would be as old
+        if self._turn_ns is not None:  # or the command that opened it would be too old
             self._turn_ns = time.monotonic_ns()
         return topic
 
     def _opens(self, topic: CommandTopic) -> bool:
-        """Open a topic of which ROS knows the type; return whether that went well."""
+        """Open a topic with the type that ROS knows. Return whether that succeeded."""
         try:
             self._opened(topic.name, None)
         except (ProtocolError, RosError):
@@ -281,7 +281,7 @@ class Commands:
     @staticmethod
     def _say_what_is_ignored(session: Session, request: Advertise) -> None:
         for ignored in _ignored(request):
-            text = f"{ignored} is ignored: a command topic keeps no message for later subscribers"
+            text = f"{ignored} is ignored: a command topic stores no message for later subscribers"
             session.warn(ProtocolError("bad_request", text), request.op, request.id)
 
     # Turns
@@ -293,7 +293,7 @@ class Commands:
         return self._turn_ns
 
     def _end_turn(self) -> None:
-        # anew: what was taken before a stop of this process must not go out after it
+        # read again: a command from before a stop of this process must not go out after it
         self._turn_ns = time.monotonic_ns()
         try:
             for topic in self._topics.values():

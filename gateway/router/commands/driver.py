@@ -7,7 +7,7 @@ from typing import Final
 from gateway.drive.freshness import Freshness
 from gateway.router.advertisement_ids import AdvertisementIds
 
-# A refused stream is answered once in so long: a client that holds a stick sends 120 a second.
+# A refused stream is answered once per period: a client with a joystick sends 120 a second.
 REPEAT_NS: Final = 1_000_000_000
 
 
@@ -16,12 +16,12 @@ class Driver:
     """One client that has the topic open."""
 
     ids: AdvertisementIds = field(default_factory=AdvertisementIds)
-    commands: int = 0  # that came, also those refused
+    commands: int = 0  # all that came, also the refused ones
     freshness: Freshness = field(default_factory=Freshness)
     _answered_ns: dict[str, int] = field(default_factory=dict)  # by the code of the answer
 
     def is_due(self, code: str, now_ns: int) -> bool:
-        """Return whether an answer with this code is due, `REPEAT_NS` after the last; note it."""
+        """Note an answer with this code. Return whether it is due, `REPEAT_NS` after the last."""
         last_ns = self._answered_ns.get(code)
         if last_ns is not None and now_ns - last_ns < REPEAT_NS:
             return False

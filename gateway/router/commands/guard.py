@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command topics' interface to whoever stops the robot if this process cannot."""
+"""The command topics' interface to the guard, which stops the robot if this process cannot."""
 
 from collections.abc import Callable, Collection
 from typing import Protocol
@@ -12,7 +12,7 @@ class Guard(Protocol):
 
     @property
     def is_ready(self) -> bool:
-        """True while it would stop what moves."""
+        """True while it would stop a robot that moves."""
 
     @property
     def losses(self) -> int:
@@ -31,9 +31,9 @@ class Guard(Protocol):
         """
 
     def prove(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
-        """Prove that zeros reach the subscriptions, which takes some: the state becomes ``ready``.
+        """Prove that zeros reach the subscriptions: then the state becomes ``ready``.
 
-        Asked again meanwhile it goes on.
+        A request while the proof is under way changes nothing.
         """
 
     def close(self, topic: str) -> None:

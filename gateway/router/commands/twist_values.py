@@ -18,7 +18,7 @@ _SIX_DOUBLES: Final = struct.Struct("<6d")
 
 
 class TwistValues(NamedTuple):
-    """The values of a command; the gateway stamps it itself, when it accepts it."""
+    """The values of a command. The gateway stamps it itself when it accepts it."""
 
     velocity: Velocity
     frame_id: str = ""
@@ -28,14 +28,14 @@ def read(message_type: MessageType, msg: object) -> TwistValues:
     """Check a message, and return its values.
 
     Raises:
-        ProtocolError: ``invalid_value``: it does not fit its type, or a number is not finite;
-            ``null`` and names such as ``"NaN"``, which it is elsewhere, are refused as well.
+        ProtocolError: ``invalid_value``: it does not fit its type, or a number is not finite.
+            ``null`` and names such as ``"NaN"``, which stand for NaN elsewhere, are refused.
     """
     try:
         cdr = message_type.encode(msg, 0)
     except CodecError as error:
         raise ProtocolError("invalid_value", str(error)) from error
-    # the last members of both types; the encoder writes little-endian
+    # the last fields of both types, which the encoder writes little-endian
     velocity = Velocity(*_SIX_DOUBLES.unpack(cdr[-_SIX_DOUBLES.size :]))
     if not velocity.is_finite:
         number = next(n for n, value in enumerate(velocity) if not math.isfinite(value))
@@ -47,7 +47,7 @@ def read(message_type: MessageType, msg: object) -> TwistValues:
 
 
 def _is_null(msg: object, path: str) -> bool:
-    """Return whether a value of a message, which fits its type, is null; else it is NaN."""
+    """Return whether a value of a message that fits its type is null. Otherwise it is NaN."""
     _, *names = path.split(".")
     for name in names:
         msg = msg.get(name) if isinstance(msg, Mapping) else None

@@ -25,7 +25,7 @@ STAMPED = "geometry_msgs/msg/TwistStamped"
 
 
 class FakeGuard:
-    """A guard that notes what it is told; `report` says what it would."""
+    """A guard that notes its messages. `report` answers in its place."""
 
     def __init__(self) -> None:
         self.told: list[tuple[object, ...]] = []

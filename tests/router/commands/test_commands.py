@@ -28,7 +28,7 @@ Failures = Callable[[], int]
 
 
 def is_tripped(client: Socketless) -> bool:
-    """Ask whether commands to move are refused until the robot is told anew."""
+    """Ask whether commands to move are refused until a zero resets the latch."""
     client.send(op="control", topic="/cmd_vel")
     return bool(client.of("control")[-1]["tripped"])
 
@@ -90,7 +90,7 @@ async def test_a_turn_that_fails_does_not_stop_the_time_of_the_next_ones(
 
 @pytest.fixture
 def failing(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> Failures:
-    """Let a bug of ours show on topics of `STAMPED`; return a count of how often it is logged."""
+    """Make topics of `STAMPED` fail by a bug. Return a count of how often it is logged."""
 
     def encode(type_name: str, *rest: Any) -> bytes:
         if type_name == STAMPED:
@@ -154,7 +154,7 @@ async def test_a_stop_that_fails_on_its_way_is_tried_again_and_left_to_the_guard
     assert scene.guard.verbs[-1] == "rest"
 
 
-async def test_what_ros_does_not_take_of_a_stop_is_left_to_the_guard_also_at_the_end(
+async def test_a_stop_that_ros_refuses_is_left_to_the_guard_also_at_the_end(
     scene: Scene, clock: StoppedClock, monkeypatch: pytest.MonkeyPatch
 ):
     def refuse(*_: object) -> None:
@@ -173,7 +173,7 @@ def push_failing(client: Socketless) -> None:
     client.send(op="publish", topic="/failing", msg={"twist": {"linear": {"x": 0.2}}})
 
 
-async def test_who_drives_hears_of_a_robot_that_no_command_reaches(scene: Scene):
+async def test_a_driver_hears_of_a_robot_that_no_command_reaches(scene: Scene):
     client = scene.client()
     client.send(op="advertise", topic="/cmd_vel", type=TWIST)
     latched = Qos("reliable", "transient_local")
@@ -182,7 +182,7 @@ async def test_who_drives_hears_of_a_robot_that_no_command_reaches(scene: Scene)
     [(code, text)] = client.statuses
     assert code == "qos_incompatible"
     assert "/outside asks for durability transient_local, published is with durability" in text
-    assert "what moves a robot is never kept for later" in text
+    assert "the gateway never stores a command for later" in text
     scene.ros.add_subscription("/cmd_vel", "std_msgs/msg/String", lambda _: None, node="/other")
     await eventually(lambda: len(client.statuses) > 1)
     code, text = client.statuses[-1]
@@ -211,7 +211,7 @@ async def test_a_guard_that_is_found_lost_while_a_command_goes_out_keeps_it_back
     assert set(speeds(heard)) == {0.0}
     push(client)
     assert client.statuses[-1][0] == "tripped"
-    assert "if the gateway dies was lost" in client.statuses[-1][1]
+    assert "the guard process, without which nothing moves, was lost" in client.statuses[-1][1]
 
 
 async def test_a_gateway_that_stood_still_within_a_command_keeps_it_back(build: Build):
@@ -224,7 +224,7 @@ async def test_a_gateway_that_stood_still_within_a_command_keeps_it_back(build: 
     assert set(speeds(heard)) == {0.0}
 
 
-async def test_the_guard_prepares_for_a_robot_before_anybody_drives_it(scene: Scene):
+async def test_the_guard_prepares_for_a_robot_before_a_client_drives_it(scene: Scene):
     scene.listen()
     await eventually(lambda: bool(scene.guard.told))
     assert scene.guard.told == [("open", "/cmd_vel", TWIST, 1)]
@@ -275,7 +275,7 @@ async def test_the_publisher_is_reliable_and_keeps_one_command_for_a_moment(scen
     assert publisher.qos.depth == 1
     assert publisher.qos.lifespan_ns == 250_000_000
     assert client.statuses == [
-        ("bad_request", "latch is ignored: a command topic keeps no message for later subscribers")
+        ("bad_request", "latch is ignored: a command topic stores no message for later subscribers")
     ]
 
 
@@ -289,7 +289,7 @@ async def test_the_publisher_is_reliable_and_keeps_one_command_for_a_moment(scen
         ({"x": math.inf}, "linear.x", "Infinity"),
     ],
 )
-async def test_what_is_not_finite_is_no_speed_and_stops_a_robot_that_moves(
+async def test_a_speed_that_is_not_finite_is_refused_and_stops_a_robot_that_moves(
     scene: Scene, linear, where: str, got: str
 ):
     heard = scene.listen()
@@ -309,7 +309,9 @@ async def test_a_speed_beyond_the_limit_is_clamped_and_the_client_told(build: Bu
     client, watcher = scene.client(), scene.client()
     push(client, 1e308)
     await eventually(lambda: speeds(heard)[:1] == [0.5])
-    assert client.statuses == [("invalid_value", "topic /cmd_vel: clamped to 0.5 m/s and 10 rad/s")]
+    assert client.statuses == [
+        ("invalid_value", "topic /cmd_vel: too fast, clamped to 0.5 m/s and 10 rad/s")
+    ]
     watcher.send(op="acquire_control", topic="/cmd_vel")
     watcher.send(op="publish", topic="/cmd_vel", msg={})
     await eventually(lambda: not is_tripped(watcher))
@@ -327,10 +329,10 @@ async def test_a_turn_beyond_the_limit_is_clamped_and_the_client_told(
     await clock.advance(0.01)
     assert [each["angular"]["z"] for each in heard] == [0.25]
     (status,) = client.statuses
-    assert status == ("invalid_value", "topic /cmd_vel: clamped to 10 m/s and 0.25 rad/s")
+    assert status == ("invalid_value", "topic /cmd_vel: too fast, clamped to 10 m/s and 0.25 rad/s")
 
 
-async def test_where_the_first_command_must_be_zero_nothing_moves_before_it(
+async def test_if_the_first_command_must_be_zero_nothing_moves_before_it(
     build: Build, clock: StoppedClock
 ):
     scene = build(first_command="zero")
@@ -341,10 +343,10 @@ async def test_where_the_first_command_must_be_zero_nothing_moves_before_it(
     assert heard == []
     [(code, text)] = client.statuses
     assert code == "tripped"
-    assert "this gateway wants a command to stop before the first to move" in text
+    assert "this gateway needs a zero command before the first command to move" in text
 
 
-async def test_who_drives_keeps_others_out_for_the_configured_lease(
+async def test_a_driver_keeps_others_out_for_the_configured_lease(
     build: Build, clock: StoppedClock
 ):
     scene = build(lease_s=5)
@@ -387,7 +389,7 @@ async def test_a_robot_stops_before_anything_else_of_its_driver_is_closed(
     await scene.settle()
     assert scene.ros.published == 1
     scene.router.leave(client.session)
-    assert published == [2]  # the zero, too
+    assert published == [2]  # the zero is counted as well
 
 
 async def test_a_client_that_stops_what_stands_and_leaves_leaves_nothing_open(scene: Scene):
@@ -402,7 +404,7 @@ async def test_a_client_that_stops_what_stands_and_leaves_leaves_nothing_open(sc
     assert scene.ros.entity_count() == 0
 
 
-async def test_what_was_stopped_stays_so_for_a_client_that_comes_back(scene: Scene):
+async def test_a_stopped_robot_stays_stopped_for_a_client_that_comes_back(scene: Scene):
     heard = scene.listen()
     client = scene.client()
     push(client)
@@ -452,7 +454,9 @@ async def test_a_stop_without_a_driver_is_published_if_the_robot_is_known(build:
     assert client.of("stop")[0]["topics"] == ["/cmd_vel"]
     await eventually(lambda: speeds(heard) == [0.0] * 5)
     client.send(op="stop", topic="/odom")
-    assert client.statuses == [("not_found", "/odom is no command topic; these are /cmd_vel, /arm")]
+    assert client.statuses == [
+        ("not_found", "/odom is not a command topic: use one of /cmd_vel, /arm")
+    ]
 
 
 async def test_control_is_taken_held_and_given_back(scene: Scene):
@@ -526,7 +530,7 @@ async def test_a_watcher_gets_one_notice_of_what_changes_within_50_ms(
     scene.listen()
     client, watcher = scene.client(), scene.client()
     watcher.send(op="control", watch=True)
-    await clock.advance(1)  # what the guard has to say is said
+    await clock.advance(1)  # the guard has answered
     watcher.frames.clear()
     for _ in range(8):
         client.send(op="acquire_control")
@@ -642,7 +646,7 @@ async def test_a_command_that_a_stop_has_overtaken_does_not_move_the_robot(scene
     await eventually(lambda: speeds(heard) == [0.2, *[0.0] * 5, 0.2])
 
 
-async def test_who_has_control_drives(scene: Scene):
+async def test_a_client_that_has_control_drives(scene: Scene):
     scene.listen()
     one, two = scene.client(), scene.client()
     assert not one.session.drives()
@@ -694,7 +698,7 @@ async def test_a_shutdown_stops_at_once_and_nothing_moves_after(scene: Scene):
     scene.router.stop_robots()
     await eventually(lambda: speeds(heard)[1:2] == [0.0])
     push(client, id=1)
-    assert client.statuses[-1] == ("tripped", "topic /cmd_vel: the gateway shuts down")
+    assert client.statuses[-1] == ("tripped", "topic /cmd_vel: the gateway is shutting down")
 
 
 async def test_a_router_that_closes_in_the_middle_of_a_motion_sends_a_zero(build: Build):
@@ -786,7 +790,7 @@ async def test_a_command_waits_until_the_guard_has_proved_that_its_zeros_arrive(
     await eventually(lambda: speeds(heard)[:1] == [0.2])
 
 
-async def test_a_client_that_may_not_drive_any_more_is_stopped(scene: Scene):
+async def test_a_client_that_lost_the_permission_to_drive_is_stopped(scene: Scene):
     heard = scene.listen()
     client = scene.client()
     push(client)
@@ -821,7 +825,7 @@ async def test_lines_of_the_audit_log_have_their_client(scene: Scene, caplog):
     ]
 
 
-async def test_who_takes_control_and_what_stops_a_robot_is_in_the_audit_log(scene: Scene):
+async def test_the_audit_log_has_each_change_of_control_and_each_stop(scene: Scene):
     scene.listen()
     client = of_role(scene, "operator")
     push(client)
@@ -856,14 +860,14 @@ async def test_a_viewer_stops_a_robot_but_takes_no_control(scene: Scene):
     assert (asked["topic"], asked["role"]) == ("/cmd_vel", "viewer")
 
 
-async def test_a_command_topic_that_is_hidden_is_none(build: Build):
+async def test_a_hidden_command_topic_does_not_exist(build: Build):
     scene = build(topics=("/cmd_vel", "/secret"))
     scene.listen("/secret")
     hidden = {f"deny_{action}": ("/secret",) for action in ("subscribe", "publish", "call")}
     client = of_role(scene, "operator", operator=OperatorConfig(**hidden))
     client.send(op="control", topic="/secret")
     assert client.statuses == [
-        ("not_found", "/secret is no command topic; these are /cmd_vel"),
+        ("not_found", "/secret is not a command topic: use one of /cmd_vel"),
     ]
     client.send(op="control")
     assert [each["topic"] for each in client.of("control")] == ["/cmd_vel"]

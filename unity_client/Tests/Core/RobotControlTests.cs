@@ -68,7 +68,7 @@ namespace Ros2Gateway.Tests
                 Publisher wind = live.Client.Advertise(topic, type);
                 DynamicMessage heard = null;
                 live.Client.Subscribe(topic, type, () => new DynamicMessage(type), message => heard = message);
-                live.Until(() => control.State.ToString().Contains("is no command topic"), "for the answer");
+                live.Until(() => control.State.ToString().Contains("is not a command topic"), "for the answer");
                 Assert.IsFalse(control.State.IsKnown);
                 Assert.AreEqual(0, live.Events.FindAll(one => one.Level == EventLevel.Error).Count);
                 JsonValue speed = JsonValue.Parse(Speed);
