@@ -11,7 +11,7 @@ from schemas.table import TypeNameError
 
 # It has the place in a file of this machine, what was expected there and a way out.
 MAX_DEFINITION_ERROR: Final = 512
-_MISSING: Final = "; install its package, or name a folder that has the definition in types.paths"
+_MISSING: Final = ": install its package, or name a folder that has the definition in types.paths"
 
 
 def bad_type(

@@ -28,7 +28,7 @@ class Dialect:
     rosbridge sends none, and its clients take one for the answer to something else, or fail. So a
     client that speaks only rosbridge's protocol gets errors alone: its refused operations that
     have no other answer. Warnings begin when it asks for them, or sends what only this gateway
-    knows. A misspelt key counts, too: no library of rosbridge sends one, but people do.
+    knows. A misspelt key also counts: no library of rosbridge sends one, but people do.
     """
 
     def __init__(self) -> None:
@@ -48,7 +48,7 @@ class Dialect:
         return SEVERITY[level] <= SEVERITY[self._level]
 
     def note(self, op: str, values: Mapping[str, object]) -> str:
-        """Look at the keys of a known operation; return a text on those that are misspelt.
+        """Look at the keys of a known operation. Return a text on those that are misspelt.
 
         It takes 0.2 us for an operation whose keys say nothing new.
 

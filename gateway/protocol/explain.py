@@ -49,7 +49,7 @@ def _name(detail: ErrorDetails) -> str:
     return truncate(".".join(map(str, parts)))
 
 
-# Operations nest no deeper, but for the durations of `qos`.
+# Operations nest no deeper, except for the durations of `qos`.
 _OBJECTS = frozenset({"qos", "image", "time", "timeout"})
 _DURATION = 3  # parts of the path to one, behind which its own members are
 

@@ -11,10 +11,10 @@ from typing import Any, Final
 
 import orjson
 
-PORT: Final = 9090  # of UDP; wherever the gateway's own port is
+PORT: Final = 9090  # of UDP, whatever the gateway's own port is
 QUESTION_BYTES: Final = 512
 MAX_BYTES: Final = 1400  # one packet of Ethernet
-MAX_NAME: Final = 63  # characters; a label of a host name
+MAX_NAME: Final = 63  # characters, as many as a label of a host name has
 MAX_PATH: Final = 200
 
 _QUESTION_OP: Final = "find_gateways"
@@ -22,7 +22,7 @@ _QUESTION_OP: Final = "find_gateways"
 
 @dataclass(frozen=True, slots=True)
 class FoundGateway:
-    """A gateway as it describes itself; its address is the sender of the datagram."""
+    """A gateway as it describes itself. Its address is the sender of the datagram."""
 
     id: str  # of one run of a gateway, which may be heard in several ways
     name: str  # of its machine
@@ -69,7 +69,7 @@ def answer(gateway: FoundGateway) -> bytes:
 
 
 def found(datagram: bytes) -> FoundGateway | None:
-    """Return the gateway that an answer describes; ``None`` for any other datagram."""
+    """Return the gateway that an answer describes. ``None`` for any other datagram."""
     match _members(datagram):
         case {
             "op": "gateway",

@@ -20,7 +20,7 @@ def status(
     request: str | None = None,
     request_id: str | int | None = None,
 ) -> bytes:
-    """Build a `status` frame; *request* is the operation it answers."""
+    """Build a `status` frame. *request* is the operation it answers."""
     frame: dict[str, Any] = {"op": "status", "level": level, "msg": text}
     if request_id is not None:
         frame["id"] = request_id
@@ -42,7 +42,7 @@ def answer(op: str, request_id: str | int | None, **members: Any) -> bytes:
 def help_answer(
     request_id: str | int | None, text: str, frames: Mapping[str, Mapping[str, Any]], **others: Any
 ) -> bytes:
-    """Build the answer to `help`; each of *frames* has a line of its own, which can be copied."""
+    """Build the answer to `help`. Each of *frames* has its own line, which can be copied."""
     lines = ",".join(
         f"{orjson.dumps(purpose).decode()}:\n{orjson.dumps(frame).decode()}\n"
         for purpose, frame in frames.items()
@@ -54,7 +54,7 @@ def help_answer(
 def description(
     request_id: str | int | None, example: Mapping[str, Any] | None, members: Mapping[str, Any]
 ) -> bytes:
-    """Build the answer to `describe`; the example has a line of its own, as it can be copied."""
+    """Build the answer to `describe`. The example has its own line, so it can be copied."""
     if example is None:
         return answer("describe", request_id, **members)
     head = answer("describe", request_id)
@@ -78,7 +78,7 @@ def publish_meta_prefix(topic: str, meta: Mapping[str, object]) -> bytes:
 def service_response(
     service: str, request_id: str | int | None, values: object, *, result: bool
 ) -> bytes:
-    """Build the answer to a `call_service`; after a failure, *values* is the reason.
+    """Build the answer to a `call_service`. After a failure, *values* is the reason.
 
     rosbridge clients read ``values`` and ``id`` without a check, so both are always present.
     """
@@ -111,9 +111,9 @@ def action_feedback(action: str, goal_id: str | int | None, values: object) -> b
 def action_result(
     action: str, goal_id: str | int | None, values: object, *, status: int, result: bool
 ) -> bytes:
-    """Build the answer to a `send_action_goal`; *status* is of action_msgs/msg/GoalStatus.
+    """Build the answer to a `send_action_goal`. *status* is of action_msgs/msg/GoalStatus.
 
-    As in rosbridge, *result* is true for goals that were aborted or canceled, too. False means
+    As in rosbridge, *result* is also true for goals that were aborted or canceled. False means
     that there was no goal, and *values* is the reason.
     """
     frame = {"op": "action_result", "action": action, "values": values}

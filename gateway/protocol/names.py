@@ -19,7 +19,7 @@ _RESOLVED: Final = re.compile(r"(?:/[A-Za-z_][A-Za-z0-9_]*)+", re.ASCII)
 
 
 def resolve_topic(name: str, max_characters: int) -> TopicName:
-    """Return the full name of a topic; a name without a leading slash is global.
+    """Return the full name of a topic. A name without a leading slash is global.
 
     Raises:
         ProtocolError: the name is invalid or too long.
@@ -28,12 +28,12 @@ def resolve_topic(name: str, max_characters: int) -> TopicName:
 
 
 def resolve_service(name: str, max_characters: int) -> ServiceName:
-    """Return the full name of a service; see `resolve_topic`."""
+    """Return the full name of a service. See `resolve_topic`."""
     return ServiceName(_resolve("service", name, max_characters))
 
 
 def resolve_action(name: str, max_characters: int) -> ActionName:
-    """Return the full name of an action; see `resolve_topic`."""
+    """Return the full name of an action. See `resolve_topic`."""
     return ActionName(_resolve("action", name, max_characters))
 
 
@@ -49,7 +49,7 @@ def _resolve(kind: Literal["topic", "service", "action"], name: str, max_charact
     if not _RESOLVED.fullmatch(resolved):
         raise ProtocolError(
             "bad_name",
-            f"{kind}: {truncate(name)!r} is no {kind} name: expected letters, digits and _ between"
-            " slashes, no part starting with a digit",
+            f"{kind}: {truncate(name)!r} is not a valid {kind} name: use letters, digits, and _"
+            " between slashes, and start no part with a digit",
         )
     return resolved

@@ -2,10 +2,10 @@
 """All that waits for one client: control frames, which overtake, and bounded queues.
 
 No entry is encoded before its turn to be sent: a sample that is dropped was never decoded. An entry
-that comes while nothing waits and the socket takes has its turn at once; it is written directly.
+that comes while nothing waits and the socket has room is written directly.
 
-Where the link is too slow for everything, it is shared by bytes: between what is small (state) and
-what is large (pictures, scans, maps), and among the queues of each kind by start-time fair queueing
+If the link is too slow for everything, its bytes are shared between small entries (state) and large
+ones (pictures, scans, maps). The queues of each kind share their part by start-time fair queueing
 (Goyal, Vin and Cheng, 1996). A queue that has less to send than its share does not wait.
 """
 
@@ -46,26 +46,26 @@ class Entry(Protocol):
 
     @property
     def arrived_ns(self) -> int:
-        """The time at which DDS had it, by the system clock; 0 if it did not just come from DDS."""
+        """The time at which DDS had it, by the system clock. 0 if it did not just come from DDS."""
 
     def frame(self) -> Frame:
-        """Return the bytes to send, WebSocket header included, or why there are none."""
+        """Return the bytes to send, WebSocket header included, or why it has no bytes."""
 
 
 class PacedSocket(Protocol):
-    """A client's socket, for frames that need not wait; see `gateway.server.pacing`.
+    """A client's socket, for frames that need not wait. See `gateway.server.pacing`.
 
-    Whoever writes takes the bytes off the room, afterwards: `write` may itself leave none.
+    The caller subtracts the bytes from the room after it writes: `write` may itself leave none.
     """
 
     room_bytes: int
-    """The bytes that may be written now; none or fewer while the socket or the link is full."""
+    """The bytes that may be written now. None or fewer while the socket or the link is full."""
 
     write: Callable[[bytes], object]
 
 
 WriteDirectly = Callable[[Entry], int]
-"""Write an entry to the socket; return its bytes, 0 if it is not ready or the socket is busy."""
+"""Write an entry to the socket. Return its bytes, 0 if it is not ready or the socket is busy."""
 
 OnTimed = Callable[[int], None]
 """Take the time at which an entry arrived that was just handed to the socket."""
@@ -80,12 +80,12 @@ TIMED_EVERY: Final = 16
 LARGE_FRAME_BYTES: Final = 4096
 # Of a link that is too slow for both: a robot is driven by its state, a picture can be smaller.
 LARGE_SHARE: Final = 0.2
-# What the link does not drain in this time is old when it arrives: newer entries take its place.
+# Bytes that the link does not drain in this time arrive old, so newer entries replace them.
 FRESH_S: Final = 0.05
 
 
 class Queue:
-    """Entries that wait, oldest first, of one subscription or the like; full, it drops the oldest.
+    """Entries that wait, oldest first, for example of a subscription. If full, drops the oldest.
 
     ``depth`` bounds their number and ``max_bytes`` their size, but one entry always fits.
     """
@@ -125,7 +125,7 @@ class Queue:
         # whether its topic says each thing once: then no entry stands for an older one
         self.is_latched: Callable[[], bool] = lambda: False
         self.on_sent: OnSent | None = None  # gets all of what has waited
-        # where what it has sent ends, by the clock of this kind: start-time fair queueing
+        # the end of the bytes that it has sent, by the clock of this kind: start-time fair queueing
         self.finish_bytes = 0.0
         self.finish_kind: _Kind | None = None
 
@@ -136,7 +136,7 @@ class Queue:
 
     @property
     def kind(self) -> "_Kind":
-        """The queues that it shares the link with, by its next entry; there must be one."""
+        """The queues that it shares the link with, by its next entry. There must be one."""
         entry = self.waiting[0] if self.claimed is None else self.claimed
         return self._outbox.large if entry.size > LARGE_FRAME_BYTES else self._outbox.small
 
@@ -182,7 +182,7 @@ class Queue:
         self.dropped += 1
 
     def next(self) -> bytes | Pieces | None:
-        """Take the oldest entry's frame; ``None`` if no entry is ready."""
+        """Take the oldest entry's frame. ``None`` if no entry is ready."""
         while self.claimed is not None or self.waiting:
             entry = self.claimed if self.claimed is not None else self.waiting[0]
             frame = entry.frame()
@@ -235,11 +235,11 @@ class Outbox:
         self.control_sent = 0
         self._control: deque[bytes] = deque()
         self._control_size = 0
-        self.bytes_per_s: float | None = None  # of the link; None: it is not too slow
+        self.bytes_per_s: float | None = None  # of the link, None if it is not too slow
         self._queues: list[Queue] = []
         self.small = _Kind(1 - LARGE_SHARE)
         self.large = _Kind(LARGE_SHARE)
-        self._clock = 0.0  # where the kind that was served last began
+        self._clock = 0.0  # the start of the kind that was served last
         # of queues that were closed
         self._past_coalesced = 0
         self._past_dropped = 0
@@ -299,7 +299,7 @@ class Outbox:
         self._past_sent += queue.sent
 
     def put_control(self, frame: bytes) -> None:
-        """Append a response or a status; it overtakes every queue."""
+        """Append a response or a status. It overtakes every queue."""
         self._control.append(frame)
         self._control_size += len(frame)
         self.grow(len(frame))
@@ -326,7 +326,7 @@ class Outbox:
         return self._take_queued(taken, left) if self.size else taken
 
     def _take_queued(self, taken: list[Piece], left: int) -> list[Piece]:
-        """Add frames of the queues, those first that have had least; each waits in a heap."""
+        """Add frames of the queues, those first that have had least. Each waits in a heap."""
         order = itertools.count()
         waiting: dict[_Kind, list[tuple[float, int, Queue]]] = {self.small: [], self.large: []}
 
@@ -354,7 +354,7 @@ class Outbox:
         return taken
 
     def drains(self, bytes_per_s: float | None) -> None:
-        """Take note of the rate at which the link drains; ``None`` if nobody needs to care."""
+        """Take note of the rate at which the link drains. ``None`` if nobody needs to care."""
         self.bytes_per_s = bytes_per_s
 
     @property
@@ -376,7 +376,7 @@ class Outbox:
             waiting -= 1
 
     def _freshen(self, drained_bytes: float) -> None:
-        """Drop what the link does not drain in time, but for the newest entry of each queue."""
+        """Drop what the link does not drain in time, except for the newest entry of each queue."""
         for kind in (self.small, self.large):
             queues = [queue for queue in self._queues if queue.waiting and queue.kind is kind]
             most = _fair_part([queue.behind_bytes for queue in queues], drained_bytes * kind.share)
@@ -386,17 +386,17 @@ class Outbox:
 
 
 class _Kind:
-    """Queues whose next entry is small, or large; they share their part of the link equally."""
+    """Queues whose next entry is small, or large. They share their part of the link equally."""
 
     __slots__ = ("_clock", "finish_bytes", "share")
 
     def __init__(self, share: float) -> None:
         self.share = share
         self.finish_bytes = 0.0  # of the whole link, by the clock of the outbox
-        self._clock = 0.0  # where the queue that was served last began
+        self._clock = 0.0  # the start of the queue that was served last
 
     def start(self, queue: Queue) -> float:
-        """Return where a queue goes on; for a time with nothing of this kind it is owed nothing."""
+        """Return where a queue goes on. For a time with nothing of this kind it is owed nothing."""
         return max(queue.finish_bytes, self._clock) if queue.finish_kind is self else self._clock
 
     def serve(self, queue: Queue, start: float, size: int) -> None:

@@ -13,7 +13,7 @@ class Step(NamedTuple):
 
     quality: int  # at most
     reduction: int  # one pixel stands for so many in each direction
-    part: float  # of the bytes of the picture as asked for, about; measured with VGA at quality 80
+    part: float  # of the bytes of the picture as asked for, about. Measured with VGA at quality 80
 
 
 STEPS: Final = (
@@ -29,8 +29,8 @@ STEPS: Final = (
 
 # A frame cannot be overtaken once it is on its way: for so long a picture may hold up the rest.
 MAX_HOLD_S: Final = 0.08
-# A larger picture is tried when it would fit with some room, and the smaller one has for a while;
-# else pictures would change all the time.
+# A larger picture is tried when it would fit with some room, and the smaller one has for a while.
+# Else pictures would change all the time.
 ROOM: Final = 0.75
 LARGER_AFTER_NS: Final = 2_000_000_000
 
@@ -43,8 +43,8 @@ _MOST_OFF: Final = 4.0
 class PictureAdaptation:
     """The step of one subscription, by the frames that it sends and the rate of its link.
 
-    Where a client has set a quality, steps are larger or smaller than in the table: what a change
-    of the step has made of the size is learned, or the two would follow each other for ever.
+    If a client has set a quality, steps are larger or smaller than in the table. So the effect of a
+    step on the size is learned, or the steps would go up and down forever.
     """
 
     __slots__ = ("_before", "_fits_since_ns", "_outdated", "_parts", "step")
@@ -57,7 +57,7 @@ class PictureAdaptation:
         self._outdated = 0  # frames of the step before, still to be sent
 
     def sent(self, size: int, bytes_per_s: float | None, now_ns: int) -> bool:
-        """Take note of a frame that is sent; return whether the next ones need another step.
+        """Take note of a frame that is sent. Return whether the next ones need another step.
 
         *bytes_per_s* is ``None`` for a link that never was too slow.
         """

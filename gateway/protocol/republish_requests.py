@@ -58,7 +58,7 @@ class RepublishRequest(OperationPart):
 
 
 class GoalId(OperationPart):
-    """actionlib_msgs/GoalID of ROS 1; the stamp is not looked at."""
+    """actionlib_msgs/GoalID of ROS 1. The stamp is not looked at."""
 
     model_config = ConfigDict(extra="ignore")
 
@@ -66,7 +66,7 @@ class GoalId(OperationPart):
 
 
 class ActionGoal(OperationPart):
-    """A goal as actionlib of ROS 1 publishes it; its header is not looked at."""
+    """A goal as actionlib of ROS 1 publishes it. Its header is not looked at."""
 
     model_config = ConfigDict(extra="ignore")
 
@@ -75,7 +75,7 @@ class ActionGoal(OperationPart):
 
 
 def parse(model: type[T], values: object, where: str) -> T:
-    """Return a request from its fields by name, or in order; *where* names them in errors.
+    """Return a request from its fields by name, or in order. *where* names them in errors.
 
     Raises:
         ProtocolError: ``invalid_value``: they do not fit.

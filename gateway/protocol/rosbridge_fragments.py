@@ -12,8 +12,8 @@ import orjson
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.fragment import Fragment
 
-MAX_INCOMPLETE: Final = 4  # a client sends one after the other; together as large as one message
-MAX_REFUSED: Final = 4  # as many as can fail at once; the numbers of their pieces are 1 MB at worst
+MAX_INCOMPLETE: Final = 4  # a client sends one after the other, together as large as one message
+MAX_REFUSED: Final = 4  # as many as can fail at once. The numbers of their pieces are 1 MB at worst
 MAX_PIECES: Final = 4096  # 10 MiB in pieces of 2.5 kB
 MAX_AGE_NS: Final = 60 * 1_000_000_000  # by then even a weak WiFi has passed 10 MiB
 
@@ -22,7 +22,7 @@ def split(text: bytes, size: int, fragment_id: str) -> list[bytes]:
     """Split a JSON text of more than *size* characters into `fragment` messages of that many.
 
     A shorter text is returned as it is. Of one connection's messages no two that may be incomplete
-    at the same time may have the same *fragment_id*; it must not be empty, for roslib.
+    at the same time may have the same *fragment_id*. It must not be empty, for roslib.
     """
     # a character has a byte at least, so mostly there is no need to count
     if len(text) <= size or len(characters := text.decode()) <= size:
@@ -74,7 +74,7 @@ class Assembly:
         return len(self._incomplete)
 
     def add(self, fragment: Fragment, now_ns: int) -> bytes | None:
-        """Take one piece, in any order; return the whole message with the last one.
+        """Take one piece, in any order. Return the whole message with the last one.
 
         A piece that is there already is ignored.
 
@@ -99,7 +99,7 @@ class Assembly:
             raise ProtocolError(
                 "limit_exceeded",
                 f"data: {size} bytes so far, at most {self._max_bytes} allowed in all"
-                " (limits.max_message_bytes); send less at once",
+                " (limits.max_message_bytes): send less at once",
             )
         if len(message.pieces) < message.total:
             return None
@@ -107,7 +107,7 @@ class Assembly:
         return "".join(message.pieces[num] for num in range(message.total)).encode()
 
     def expire(self, now_ns: int) -> list[tuple[str | int, str]]:
-        """Forget what takes too long; return ids, and in words how far each has come."""
+        """Forget messages that take too long. Return their ids, and the progress of each."""
         limit_s = MAX_AGE_NS // 10**9
         expired = [
             (known, f"{len(message.pieces)} of {message.total} pieces came within {limit_s} s")
@@ -138,7 +138,7 @@ class Assembly:
         return message
 
     def _refuse(self, fragment_id: str | int, message: _Incomplete, now_ns: int) -> None:
-        """Forget a message, but for what must be known to ignore the rest of it."""
+        """Forget a message, except for the numbers that are needed to ignore the rest of it."""
         self._incomplete.pop(fragment_id, None)
         missing = set(range(message.total)) - message.pieces.keys()
         if not missing:

@@ -45,11 +45,11 @@ NOT_AUTHENTICATED: Final = (
 
 ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # only ROS# sends it, with every request
 
-# what people type who do not know what to send; none of it is a JSON object
+# texts of people who do not know what to send, none of them a JSON object
 _HELP: Final = frozenset({b"help", b"?", b"h", b"/help", b"--help", b'"help"', b"help()"})
 _MAX_HELP_BYTES: Final = 16  # of these, with blanks
 
-# the operations whose failure has a frame of its own, and the key that names their subject
+# the operations whose failure has its own frame, and the key that names their subject
 _NAMED_BY: Final = {"call_service": "service", "send_action_goal": "action"}
 
 logger = logging.getLogger(__name__)
@@ -72,12 +72,12 @@ class Session:
         self.address = "?"
         self.client = "?"  # address and number, for logs and metrics
         self.latency = Histogram()  # of what its topics sent, see `Queue.on_timed`
-        # set by who knows the tokens; else nobody has to show one
+        # set if clients have to show a token
         self.authenticate: Callable[[Auth], None] = lambda request: None
         self.outbox = Outbox(limits.send_queue_bytes)
         self.wake = wake
-        # takes what work for this client has taken from its time budget: seconds, and the time;
-        # returns whether something is left
+        # takes what work for this client has taken from its time budget: seconds, and the time.
+        # Returns whether something is left
         self.spend: Callable[[float, float], bool] = lambda spent_s, now_s: True
         # takes what a large message asks for: to read it has taken enough of this turn
         self.next_turn: Callable[[Callable[[], None]], None] = lambda work: work()
@@ -109,7 +109,7 @@ class Session:
         self._fragmented = 0
 
     def receive(self, data: bytes, now_ns: int) -> ClientOperation | Reading | None:
-        """Parse one message; return ``None`` if it was answered, or is a piece of an operation.
+        """Parse one message. Return ``None`` if it was answered, or is a piece of an operation.
 
         Of a long one return what parses it.
         """
@@ -143,7 +143,7 @@ class Session:
         return self._not_nested(self._parse(whole))
 
     def _not_nested(self, operation: ClientOperation | Fragment | None) -> ClientOperation | None:
-        """Return an operation that came in fragments, but for a fragment."""
+        """Return an operation that came in fragments, unless it is itself a fragment."""
         if isinstance(operation, Fragment):
             self.refuse(ProtocolError("bad_request", "fragment: within a fragment"), operation)
             return None
@@ -175,7 +175,7 @@ class Session:
     @identity.setter
     def identity(self, identity: Identity | None) -> None:
         self._identity = identity
-        # what the client asks for may be forbidden; asked for every operation
+        # true if an operation may be forbidden, read for every operation
         self.is_restricted = identity is None or not identity.permissions.is_unlimited
 
     def may(self, action: Action, name: str) -> bool:
@@ -191,9 +191,9 @@ class Session:
         return not self.is_restricted or self.identity.permissions.sees(name)
 
     def refuse(self, error: ProtocolError, operation: Operation | None = None) -> None:
-        """Answer an operation that failed; without one, report the error alone.
+        """Answer an operation that failed. Without one, report the error alone.
 
-        A call gets its response and a goal its result, as clients wait for these; everything else
+        A call gets its response and a goal its result, as clients wait for these. Everything else
         gets a `status`.
         """
         asked = _Asked()
@@ -236,7 +236,7 @@ class Session:
         self.send(ascii_only(payload))
 
     def framed(self, payload: bytes, fragment_size: int | None = None) -> bytes:
-        """Return JSON as the wire bytes for this client; *fragment_size* is as for `send`."""
+        """Return JSON as the wire bytes for this client. *fragment_size* is as for `send`."""
         text = ascii_only(payload) if self.is_ros_sharp else payload
         self._fragmented += fragment_size is not None
         return text_frames(text, fragment_size, f"answer:{self._fragmented}")
@@ -254,7 +254,7 @@ class Session:
         return None
 
     def _read(self, data: bytes, now_ns: int | None) -> Reading:
-        """Parse one operation as `_parse` does; *now_ns* is ``None`` if it came in fragments."""
+        """Parse one operation as `_parse` does. *now_ns* is ``None`` if it came in fragments."""
         depth, items = self._max_json_depth, self._max_json_items
         values: dict[str, object] = {}
         try:
@@ -358,7 +358,7 @@ def _expect_short_texts(values: dict[str, object]) -> None:
     for name, value in values.items():
         if isinstance(value, str) and len(value) > MAX_TEXT_CHARACTERS and name not in _LONG_TEXTS:
             text = f"{truncate(name)}: {len(value)} characters, at most {MAX_TEXT_CHARACTERS}"
-            raise ProtocolError("bad_request", f"{text} are allowed; send a shorter text")
+            raise ProtocolError("bad_request", f"{text} are allowed: send a shorter text")
 
 
 def _not_json(data: bytes, error: JsonError) -> ProtocolError:
@@ -375,10 +375,10 @@ def _checked(data: bytes, values: object) -> dict[str, object]:
 
 
 def _hint(data: bytes) -> str:
-    """Return what else to do about a frame that is no JSON."""
-    if b"\x80" <= data[:1] < b"\xa0":  # as no UTF-8 does, but an array of CBOR
-        return "; what is CBOR begins with a map"
-    return "" if data[:64].lstrip()[:1] in {b"{", b"["} else "; send help for lines to try"
+    """Return advice about a frame that is not JSON."""
+    if b"\x80" <= data[:1] < b"\xa0":  # the first byte of an array of CBOR, and of no UTF-8
+        return ": CBOR must begin with a map"
+    return "" if data[:64].lstrip()[:1] in {b"{", b"["} else ": send help to see examples"
 
 
 def _asks_for_help(data: bytes) -> bool:
@@ -418,7 +418,7 @@ def _read(
 
 def _unknown(op: object) -> ProtocolError:
     if op is None:
-        return ProtocolError("bad_request", "op: missing; it names the operation")
+        return ProtocolError("bad_request", "op: missing, add the name of the operation")
     if not isinstance(op, str):
         return ProtocolError("bad_request", "op: expected a string")
     text = f"op: {truncate(op)!r} is unknown{hint(op.lower(), OPERATIONS)}"

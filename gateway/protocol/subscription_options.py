@@ -14,7 +14,7 @@ from gateway.protocol.websocket_frames import Compression
 # As many as DDS keeps of small messages: a burst is complete, and a hiccup of WiFi ridden out. On a
 # link that is too slow the outbox keeps what is fresh.
 DEFAULT_QUEUE_LENGTH: Final = MAX_QUEUE_DEPTH
-DEFAULT_QUEUE_BYTES: Final = 512 * 1024  # 700 of odometry; of big messages the newest few
+DEFAULT_QUEUE_BYTES: Final = 512 * 1024  # 700 of odometry, the newest few of big messages
 
 T = TypeVar("T")
 
@@ -25,10 +25,10 @@ _COMPRESSIONS: Final[tuple[Compression, ...]] = get_args(Compression)  # later o
 class SubscriptionOptions:
     """The sum of a client's `subscribe` requests for one topic.
 
-    A `publish` frame does not say which request it is for, so several requests of one client for
-    one topic are one subscription, as in rosbridge: the shortest throttle, queue and silence, the
-    strongest compression, the smallest fragments, all the fields that any of them names, the newest
-    type, QoS, image options and form of non-finite numbers.
+    A `publish` frame does not say which request it is for. So several requests of one client for
+    one topic are one subscription, as in rosbridge. It has the shortest throttle, queue, silence,
+    and fragments, and the strongest compression. It has all the fields that any request
+    names, and the newest type, QoS, image options and form of non-finite numbers.
     """
 
     type: str | int | None
@@ -45,7 +45,7 @@ class SubscriptionOptions:
 
     @classmethod
     def merge(cls, requests: Iterable[Subscribe]) -> "SubscriptionOptions":
-        """Merge requests, oldest first; there must be one at least."""
+        """Merge requests, oldest first. There must be one at least."""
         asked = list(requests)
         image = _newest(request.image for request in asked) or ImageRequest()
         lengths = [request.queue_length for request in asked if request.queue_length]
@@ -87,7 +87,7 @@ class SubscriptionOptions:
 
 
 def compression(request: Subscribe) -> Compression:
-    """Return the compression of a request; an unknown one counts as ``none``, as in rosbridge."""
+    """Return the compression of a request. An unknown one counts as ``none``, as in rosbridge."""
     return next((known for known in _COMPRESSIONS if known == request.compression), "none")
 
 

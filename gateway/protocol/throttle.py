@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 from gateway.protocol.outbox import Entry
 
-MAX_HELD_BYTES: Final = 8 * 1024**2  # as much as waits for a socket; but one entry always
+MAX_HELD_BYTES: Final = 8 * 1024**2  # as much as waits for a socket, but always one entry
 # Of a latched topic: a robot has a dozen on /tf_static.
 MAX_HELD_PUBLISHERS: Final = 256
 
@@ -22,11 +22,10 @@ class Pace(NamedTuple):
 class Throttle:
     """Lets at most one entry pass per interval.
 
-    The first passes at once. What comes before its interval is over is held, and passes at the end
-    of this or a later one; so the last entry of all passes, too. If more are held than the pace's
-    length says, the oldest makes room: with one, the newest of each interval passes. Where
-    publishers are told apart, an entry makes room for those of its own publisher alone, in its
-    place.
+    The first passes at once. An entry that comes before its interval is over is held, and passes at
+    the end of this or a later one. So the last entry of all also passes. If more are held than the
+    pace's length says, the oldest makes room: with one, the newest of each interval passes. If
+    publishers are told apart, an entry makes room only for newer ones of the same publisher.
     """
 
     __slots__ = ("_held", "_held_bytes", "_pace", "_publishers", "due_ns")
@@ -43,14 +42,14 @@ class Throttle:
         return len(self._held)
 
     def passes(self, now_ns: int) -> bool:
-        """Return whether an entry may pass now; else `hold` it, and `release` one at `due_ns`."""
+        """Return whether an entry may pass now. Else `hold` it, and `release` one at `due_ns`."""
         if self._held or now_ns < self.due_ns:
             return False
         self._keep_the_beat(now_ns)
         return True
 
     def hold(self, entry: Entry, publisher: bytes | None = None) -> int:
-        """Hold an entry; return how many have made room for it."""
+        """Hold an entry. Return how many have made room for it."""
         self._held.append((publisher, entry))
         self._publishers[publisher] += 1
         self._held_bytes += entry.size
@@ -103,7 +102,7 @@ class Throttle:
         return entry
 
     def _keep_the_beat(self, now_ns: int) -> None:
-        # While entries come in time the beat goes on, however late a timer is; after a pause a
+        # While entries come in time the beat goes on, however late a timer is. After a pause a
         # new one begins.
         is_in_time = now_ns - self.due_ns < self._pace.interval_ns
         self.due_ns = (self.due_ns if is_in_time else now_ns) + self._pace.interval_ns

@@ -3,7 +3,7 @@
 
 
 class TokenBucket:
-    """Allow *per_s* events a second on average and *burst* at once; 0 a second allows all."""
+    """Allow *per_s* events a second on average and *burst* at once. 0 a second allows all."""
 
     __slots__ = ("_burst", "_last_ns", "_per_ns", "_tokens")
 

@@ -55,7 +55,7 @@ def text_frame(payload: bytes) -> bytes:
 
 
 def text_frames(text: bytes, fragment_size: int | None, fragment_id: str) -> bytes:
-    """Return the frames for a JSON text: one, or several in a row; see `split`."""
+    """Return the frames for a JSON text: one, or several in a row. See `split`."""
     if fragment_size is None:
         return text_frame(text)
     return b"".join(map(text_frame, split(text, fragment_size, fragment_id)))
@@ -141,7 +141,7 @@ class JsonFrames:
         return _framed(TEXT, self._prefix, message, messages.PUBLISH_SUFFIX)
 
     def per_client_pieces(self, message: Pieces, own: PerClient) -> bytes | Pieces:
-        """Add meta, escape and split as requested; only to split, all of it is copied."""
+        """Add meta, escape and split as requested. Only to split, all of it is copied."""
         if own.fragment_size is not None:
             return self.per_client(bytes(message), own)
         prefix = self._own_prefix(own)
@@ -157,9 +157,9 @@ class JsonFrames:
 
 
 class PngFrames:
-    """Makes `png` frames; a message is the base64 of a PNG that holds a whole `publish` message.
+    """Makes `png` frames. A message is the base64 of a PNG that holds a whole `publish` message.
 
-    Subscribers share the picture, so meta stands beside it, not within.
+    Subscribers share the picture, so meta stands next to it, not within.
     """
 
     _PREFIX: Final = b'{"op":"png","data":"'
@@ -178,7 +178,7 @@ class PngFrames:
         return _after(self._PREFIX, shared)[: -len(self._SUFFIX)]
 
     def per_client(self, message: bytes, own: PerClient) -> bytes:
-        """Add meta, and split as requested; base64 is ASCII in any case."""
+        """Add meta, and split as requested. Base64 is ASCII in any case."""
         end = b"}"
         if own.meta is not None:
             end = b"," + orjson.dumps(own.meta.members())[1:]
@@ -195,7 +195,7 @@ class PngFrames:
 
 
 class CborFrames:
-    """Makes binary frames with a `publish` map; a message is CBOR."""
+    """Makes binary frames with a `publish` map. A message is CBOR."""
 
     _MSG: Final = cbor.text("msg")
 
@@ -213,7 +213,7 @@ class CborFrames:
         return _after(self._prefix, shared)
 
     def per_client(self, message: bytes, own: PerClient) -> bytes:
-        """Add meta as requested; rosbridge knows no fragments of binary frames."""
+        """Add meta as requested. Rosbridge knows no fragments of binary frames."""
         prefix = self._own_prefix(own)
         return b"".join((header(BINARY, len(prefix) + len(message)), prefix, message))
 
@@ -236,7 +236,7 @@ class CborFrames:
 
 
 def publish_frames(topic: str, compression: Compression) -> PublishFrames:
-    """Return what makes the frames of a topic; *topic* is its name as requested."""
+    """Return what makes the frames of a topic. *topic* is its name as requested."""
     match compression:
         case "none":
             return JsonFrames(topic)

@@ -8,7 +8,7 @@ MAX_IDS: Final = 1024
 
 
 class AdvertisementIds:
-    """The newest ids; the topic stays advertised until the client has withdrawn these."""
+    """The newest ids. The topic stays advertised until the client has withdrawn these."""
 
     __slots__ = ("_ids",)
 
@@ -24,7 +24,7 @@ class AdvertisementIds:
         return len(self._ids)
 
     def add(self, request_id: str | int | None) -> None:
-        """Remember an id; forget the oldest one if there are too many."""
+        """Remember an id. Forget the oldest one if there are too many."""
         self._ids[request_id] = None
         if len(self._ids) > MAX_IDS:
             del self._ids[next(iter(self._ids))]

@@ -12,7 +12,7 @@ _TEXT_FIELDS: Final = ("message", "status_message", "error_message", "error_stri
 def failure(message_type: MessageType, reason: str) -> bytes:
     """Return the response, or the result, that best reports a failure.
 
-    A ROS service cannot fail; it can only not answer, and then its caller waits for ever. So all
+    A ROS service cannot fail. It can only not answer, and then its caller waits forever. So all
     fields have their defaults, which makes ``success`` false, and *reason* is in a text field.
     """
     texts = {each.name for each in message_type.definition.fields if str(each.type) == "string"}

@@ -43,7 +43,7 @@ class InterfaceTypes:
         return self._known(self._types.action, requested, "action")
 
     def described(self, requested: str | int) -> ServiceType | ActionType | None:
-        """Return the service or action type of a name; ``None`` if it names a message type.
+        """Return the service or action type of a name. ``None`` if it names a message type.
 
         Raises:
             ProtocolError: it names a service or action type that is not installed here.
@@ -72,7 +72,7 @@ class InterfaceTypes:
     def of_service(
         self, service: ServiceName, requested: str | None, sees: Callable[[str], bool]
     ) -> ServiceType:
-        """Return the type to call a service with; *requested* is the one that the client names.
+        """Return the type to call a service with. *requested* is the one that the client names.
 
         *sees* returns whether a name exists for the client, and may be proposed to it.
 
@@ -87,7 +87,7 @@ class InterfaceTypes:
     def of_action(
         self, action: ActionName, requested: str | None, sees: Callable[[str], bool]
     ) -> ActionType:
-        """Return the type to send goals to an action with; see `of_service`.
+        """Return the type to send goals to an action with. See `of_service`.
 
         Raises:
             ProtocolError: nobody provides it, or not with that type.
@@ -131,6 +131,6 @@ class InterfaceTypes:
         named = self._resolved(requested, "srv" if kind == "service" else "action")
         if named not in found:
             types = " and ".join(found)
-            text = f"{kind} {name} has type {types}, not {named}; use its type, or leave it out"
+            text = f"{kind} {name} has type {types}, not {named}: use its type, or leave it out"
             raise ProtocolError("type_conflict", text)
         return named

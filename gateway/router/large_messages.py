@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages of clients that take long to read, and are carried out in a turn of their own."""
+"""Messages of clients that take long to read, and are carried out in their own turn."""
 
 import time
 import weakref
@@ -16,12 +16,12 @@ TURN_S: Final = 0.004  # of reading, then the others have theirs
 class LargeMessages:
     """Reads one at a time, so that the memory that this takes is that of one.
 
-    What a client sends behind a message is handled after it, as `Session.next_turn` promises.
+    Later messages of the client are handled after it, as `Session.next_turn` promises.
     """
 
     def __init__(self, carry_out: Callable[[Session, ClientOperation], None]) -> None:
         self._carry_out = carry_out
-        # a client that is gone lets go of its own
+        # the message of a client that is gone is freed
         self._reading: Callable[[], Reading | None] = lambda: None
 
     def receive(self, session: Session, work: ClientOperation | Reading) -> None:

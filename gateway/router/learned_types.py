@@ -24,7 +24,7 @@ from schemas.type_hash import type_hash
 
 ASKED_AT_ONCE: Final = 4
 ANSWER_S: Final = 5.0
-ASKED_NODES: Final = 3  # of those with a type; often a dozen have the same package
+ASKED_NODES: Final = 3  # of those with a type. Often a dozen have the same package
 # A node that has not told a type is not asked for it again for so long. One without a service for
 # that may be about to start it.
 PAUSE_S: Final = 30.0
@@ -44,7 +44,7 @@ _logger = logging.getLogger(__name__)
 
 
 class LearnedTypes:
-    """Asks nodes for definitions; *on_change* is called some time after one came, or did not."""
+    """Asks nodes for definitions. *on_change* is called some time after one came, or did not."""
 
     def __init__(
         self,
@@ -71,7 +71,7 @@ class LearnedTypes:
         self._again: asyncio.TimerHandle | None = None
 
     def close(self) -> None:
-        """End what is under way; nobody is asked, and *on_change* is not called, any more."""
+        """End what is under way. Nobody is asked, and *on_change* is not called, any more."""
         self._asks_nodes = False
         for task in (*self._asking.values(), *filter(None, [self._looking])):
             task.cancel()
@@ -85,7 +85,7 @@ class LearnedTypes:
             self._looking = asyncio.create_task(self._look())
 
     def ask(self, topic: str, type_name: str) -> bool:
-        """Ask a node for the type of a topic, unless it is known; return whether one is asked."""
+        """Ask a node for the type of a topic, unless it is known. Return whether one is asked."""
         if type_name in self._asking:
             return True
         if not self._may_ask(type_name):
@@ -160,7 +160,7 @@ class LearnedTypes:
                 self._telling = loop.call_later(_TOLD_S, self._tell)
 
     async def _learn(self, type_name: str, holder: TypeHolder) -> str | None:
-        """Learn a type of one node; return in words why that failed."""
+        """Learn a type of one node. Return in words why that failed."""
         if self._is_left_alone(holder):  # since this was begun
             return _NO_ANSWER
         service = f"{holder.node.rstrip('/')}/{_SERVICE}"
@@ -170,12 +170,12 @@ class LearnedTypes:
         try:
             await self._learn_by(service, type_name, holder)
         except _ERRORS as error:
-            _logger.warning("%s is not learned of %s: %s", type_name, holder.node, error)
+            _logger.warning("%s is not learned from %s: %s", type_name, holder.node, error)
             is_late = isinstance(error, ProtocolError) and error.code == "timeout"
             self._leave_alone(_whole(holder) if is_late else holder, PAUSE_S)
             return _NO_ANSWER if is_late else f"a node that has it says: {error}"
         self._hashes[type_name] = holder.type_hash
-        _logger.info("%s is learned of %s", type_name, holder.node)
+        _logger.info("%s is learned from %s", type_name, holder.node)
         return None
 
     async def _learn_by(self, service: str, type_name: str, holder: TypeHolder) -> None:

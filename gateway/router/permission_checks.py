@@ -22,7 +22,7 @@ from gateway.protocol.operations import (
 from gateway.protocol.session import NOT_AUTHENTICATED, Session
 
 _TRANSFORMS: Final = ("/tf", "/tf_static")
-_TO_TRUST: Final = "; to let this page do more, add its origin to the setting allowed_origins"
+_TO_TRUST: Final = ": to let this page do more, add its origin to the setting allowed_origins"
 
 
 class _Need(NamedTuple):
@@ -37,7 +37,7 @@ class _Need(NamedTuple):
 
 
 def may_carry_out(session: Session, operation: ClientOperation, *, is_of_tf: bool = False) -> bool:
-    """Return whether to carry out an operation; false if it was answered as for an absent name.
+    """Return whether to carry out an operation. False if it was answered as for an absent name.
 
     Call it only for restricted sessions: the others may do everything. An operation *is_of_tf* if
     the gateway answers it with transforms: whatever its name is, it takes what those take.
@@ -93,7 +93,7 @@ def _check(permissions: Permissions, action: Action, name: str, doing: str, part
     if permissions.may(action, name + part):
         return
     roles = permissions.roles_that_may(action, name + part)
-    who = f"takes role {' or '.join(roles)}" if roles else "is allowed to no role"
+    who = f"requires role {' or '.join(roles)}" if roles else "is not allowed for any role"
     remedy = _TO_TRUST if roles and permissions.role == "page" else ""
     client = f"and this client is {permissions.role}"
     raise ProtocolError("forbidden", f"{doing} {name} {who}, {client}{remedy}")
@@ -105,7 +105,7 @@ def _need(operation: ClientOperation, longest: int) -> _Need | None:
     match operation:
         case topics.Subscribe():
             topic = resolve_topic(operation.topic, longest)
-            absent = f"topic {topic} is not known yet; waiting for it"
+            absent = f"topic {topic} is not known yet, waiting for it"
             return _Need("subscribe", (topic,), "subscribing to", absent)
         case topics.Publish() | topics.Advertise():
             topic = resolve_topic(operation.topic, longest)
@@ -128,4 +128,4 @@ def _need(operation: ClientOperation, longest: int) -> _Need | None:
             absent = f"frame {operation.target_frame!r} is unknown"
             return _Need("subscribe", _TRANSFORMS, "subscribing to", absent)
         case _:
-            raise ProtocolError("forbidden", f"{operation.op} takes a role without bounds")
+            raise ProtocolError("forbidden", f"{operation.op} requires a role without limits")

@@ -59,7 +59,7 @@ from gateway.router.transforms.tf_listener import TfListener
 from gateway.service_clients import ServiceClients
 from schemas.table import Table
 
-# To read 10 MB of text takes up to 16 ms, as 15 KB of CBOR do; to carry it out may take as long.
+# To read 10 MB of text takes up to 16 ms, as 15 KB of CBOR do. To carry it out may take as long.
 LARGE_MESSAGE_BYTES: Final = 8 * 1024
 
 
@@ -76,7 +76,7 @@ _Operation = TypeVar("_Operation", bound=ClientOperation)
 class Router:
     """Shares ROS entities between many sessions, and answers every operation.
 
-    Lives on the event loop's thread. Give it the messages of each client, in order; `leave` ends
+    Lives on the event loop's thread. Give it the messages of each client, in order. `leave` ends
     everything of a client.
     """
 
@@ -154,7 +154,7 @@ class Router:
         address: str = "",
         identity: Identity | None = UNLIMITED,
     ) -> Session:
-        """Open a session; it calls *wake* whenever its outbox has something to send.
+        """Open a session. It calls *wake* whenever its outbox has something to send.
 
         *identity* is ``None`` for a client that has yet to authenticate.
         """
@@ -169,7 +169,7 @@ class Router:
         return session
 
     def receive(self, session: Session, data: bytes) -> None:
-        """Carry out one message of a client; every error is answered."""
+        """Carry out one message of a client. Every error is answered."""
         operation = session.receive(data, time.monotonic_ns())
         if operation is None:
             return
@@ -230,12 +230,12 @@ class Router:
                 parts.callback(part.leave, session)
 
     def revoke(self, session: Session) -> None:
-        """End everything of a client that may not go on; that is why its robot stops."""
+        """End everything of a client that may not go on. That is why its robot stops."""
         self._commands.revoke(session)
         self.leave(session)
 
     def stop_robots(self) -> None:
-        """Stop whatever moves, before anything else of a shutdown; from now on nothing moves."""
+        """Stop whatever moves, before anything else of a shutdown. From now on nothing moves."""
         self._commands.shut_down()
 
     def close(self) -> None:

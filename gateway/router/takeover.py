@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Services and actions that a client provides, and another client or a ROS node, too."""
+"""Services and actions that a client provides, and also another client or a ROS node."""
 
 from collections.abc import Iterable, Sequence
 from typing import Final
@@ -8,13 +8,13 @@ from gateway.ports import ServerInfo
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.session import Session
 
-MAX_NAMED: Final = 4  # nodes of one name; a text for people
+MAX_NAMED: Final = 4  # nodes of one name. A text for people
 
 
 def check_takeover(
     successor: Session, former: Session, name: str, type_name: str, former_type: str
 ) -> None:
-    """Let a client take over a service or an action; from another client only with the same type.
+    """Let a client take over a service or an action. From another client only with the same type.
 
     A client that reconnects must not be locked out by the connection that it lost. But a caller
     must not meet a different type after a takeover.
@@ -38,8 +38,8 @@ def warn_of_others(
     """Warn a client that ROS nodes provide the same: which of them answers is left to chance."""
     if not nodes:
         return
-    # whoever may not see a node gets no name of it
+    # a client that may not see a node does not get its name
     seen = [node for node in nodes if session.sees(node)][:MAX_NAMED]
     who = " and ".join(seen) or "a ROS node"
-    text = f"{subject} is provided by {who}, too: two servers answer each call, choose another name"
+    text = f"{who} also provides {subject}, so both answer each call: choose another name"
     session.warn(ProtocolError("already_provided", text), op, request_id)

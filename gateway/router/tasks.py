@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Operations that are answered later, each by a task of its own."""
+"""Operations that are answered later, each by its own task."""
 
 import asyncio
 import logging
@@ -32,7 +32,7 @@ class _Own:
 
 
 class Tasks:
-    """One task per operation under way; they end with the session that asked for them."""
+    """One task per operation under way. They end with the session that asked for them."""
 
     def __init__(self) -> None:
         self._own: dict[Session, _Own] = {}
@@ -51,7 +51,7 @@ class Tasks:
         """Do *work*, and answer the operation if it fails.
 
         As many operations of a session as its limits allow are under way at once, the others
-        wait for their turn, until the deadline; *work* keeps its own.
+        wait for their turn, until the deadline. *work* keeps its own.
 
         Raises:
             ProtocolError: too many of them wait.
@@ -61,7 +61,7 @@ class Tasks:
             own = self._own[session] = _Own(asyncio.Semaphore(session.limits.max_pending_calls))
         limit = session.limits.max_pending_calls + MAX_WAITING_CALLS
         if len(own.tasks) >= limit:
-            raise over_limit(limit, "calls under way per client", "max_pending_calls")
+            raise over_limit(limit, "unfinished calls per client", "max_pending_calls")
         loop = asyncio.get_running_loop()
         running = _run(own.slots, session, operation, work, deadline)
         task = loop.create_task(Metered(running, session))
@@ -129,14 +129,14 @@ def refuse(session: Session, operation: ClientOperation, error: Exception) -> No
 async def answered(
     session: Session, operation: ClientOperation, work: Callable[[], Awaitable[None]]
 ) -> None:
-    """Do *work*; whatever goes wrong is the answer to the operation."""
+    """Do *work*. If it fails, the error is the answer to the operation."""
     try:
         await work()
     except FAILURES as error:
         refuse(session, operation, error)
     except Exception:  # our bug: this client is told, the others are unharmed
         logger.exception("%s failed", operation.op, extra={"client": session.client})
-        session.refuse(ProtocolError("internal", "a fault of the gateway; see its log"), operation)
+        session.refuse(ProtocolError("internal", "a fault of the gateway: see its log"), operation)
 
 
 async def _run(
@@ -150,7 +150,8 @@ async def _run(
         async with asyncio.timeout_at(deadline.at_s):
             await slots.acquire()
     except TimeoutError:
-        text = f"{session.limits.max_pending_calls} other calls of this client are still under way"
+        waiting = session.limits.max_pending_calls
+        text = f"{waiting} other calls of this client still wait for an answer: send fewer at once"
         session.refuse(ProtocolError("timeout", text), operation)
         return
     try:

@@ -8,13 +8,13 @@ from gateway.metrics.histogram import Histogram
 from gateway.metrics.state import ClientPublication, ClientTopic, Delivery, TopicState
 
 # Topics that nobody uses any more and whose counts are kept, 0.4 MB: those of a large robot. A
-# client may use ever new names, so there is a bound; the one that was left first makes room.
+# client may use ever new names, so there is a bound. The one that was left first makes room.
 MAX_UNUSED: Final = 256
 NOTHING_DELIVERED: Final = Delivery()
 
 
 class TopicCounts:
-    """The counts of one topic; those of what clients have open are added when it is closed."""
+    """The counts of one topic. Those of what clients have open are added when it is closed."""
 
     __slots__ = (
         "delivery",

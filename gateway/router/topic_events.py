@@ -11,11 +11,11 @@ from gateway.protocol.operations.gateway import Events
 from gateway.protocol.session import Session
 from gateway.protocol.token_bucket import TokenBucket
 
-# A robot that shuts down is some hundred events at once; a topic that flaps must not fill the queue
+# A robot that shuts down is some hundred events at once. A topic that flaps must not fill the queue
 # of who only watches.
 PER_S: Final = 20.0
 MAX_AT_ONCE: Final = 256
-# Several clients may hear of the same thing, each on a subscription of its own.
+# Several clients may hear of the same thing, each on its own subscription.
 SAME_NS: Final = 1_000_000_000
 
 
@@ -46,7 +46,7 @@ class TopicEvents:
         session.answer("events", request.id, watch=request.watch)
 
     def report(self, topic: str, event: TopicEvent) -> None:
-        """Send an event; those beyond a watcher's rate are counted in the next one that it gets."""
+        """Send an event. Those beyond a watcher's rate are counted in the next one that it gets."""
         now_ns = time.monotonic_ns()
         if not self._watching or self._is_repeated(topic, event, now_ns):
             return

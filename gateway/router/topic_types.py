@@ -18,7 +18,7 @@ class TypeAskedError(ProtocolError):
 
     def __init__(self, type_name: str) -> None:
         self.question = f"a node is being asked for the definition of {type_name}"
-        super().__init__("bad_type", f"type: {self.question}; try again in a moment")
+        super().__init__("bad_type", f"type: {self.question}: try again in a moment")
 
 
 class TopicTypes:
@@ -67,7 +67,7 @@ class TopicTypes:
         return self._ros.topic_types(topic)
 
     def on_topic(self, topic: TopicName, requested: str | int | None) -> MessageType | None:
-        """Return the type to use on a topic; ``None`` if neither client nor ROS names one yet.
+        """Return the type to use on a topic. ``None`` if neither client nor ROS names one yet.
 
         Raises:
             ProtocolError: the type is not installed, contradicts the topic's, or must be chosen.
@@ -95,6 +95,6 @@ class TopicTypes:
         )
 
     def number(self, type_name: str) -> int | None:
-        """Return a type's number in the message table, if it has one."""
+        """Return a type's number in the list of message types, if it has one."""
         row = self._table.by_name.get(type_name)
         return None if row is None else row.number

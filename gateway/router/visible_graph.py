@@ -10,7 +10,7 @@ Sees = Callable[[str], bool]
 
 
 def visible(graph: Graph, sees: Sees) -> Graph:
-    """Return a graph without the names that are hidden; nodes are names like all others."""
+    """Return a graph without the names that are hidden. Nodes are names like all others."""
     return Graph(
         topics=tuple(_topic(topic, sees) for topic in graph.topics if sees(topic.name)),
         nodes=_names(graph.nodes, sees),
@@ -36,7 +36,7 @@ class VisibleGraph:
         return self._ros.now_ns()
 
     def service_types(self, service: str) -> tuple[str, ...]:
-        """Return the types of a service; a hidden one has none, as one that does not exist."""
+        """Return the types of a service. A hidden one has none, as one that does not exist."""
         return self._ros.service_types(service) if self._sees(service) else ()
 
     def graph(self) -> Graph:

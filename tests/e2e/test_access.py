@@ -279,7 +279,7 @@ async def test_the_audit_log_says_who_came_and_who_was_refused(tokens: Path, tmp
         "refused",
     ]
     assert events[0]["name"] == "tablet"
-    assert "/x/set_parameters takes role admin" in events[1]["reason"]
+    assert "/x/set_parameters requires role admin" in events[1]["reason"]
     assert mode_of(path) == 0o600
     for secret in (tablet, "payload", "r2g_wrong"):
         assert secret not in path.read_text()

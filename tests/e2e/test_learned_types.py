@@ -168,8 +168,8 @@ async def test_a_robot_that_lies_is_not_believed(speaker: Client, robot: Robot, 
     assert status["code"] == "bad_type"
     assert status["msg"] == (
         "type: no definition of my_msgs/msg/Lie is installed, and a node that has it says: the"
-        " definition of my_msgs/msg/Lie has another hash than the type; install its package, or"
-        " name a folder that has the definition in types.paths; waiting for /liar to change"
+        " definition of my_msgs/msg/Lie has another hash than the type: install its package, or"
+        " name a folder that has the definition in types.paths, waiting for /liar to change"
     )
 
 
@@ -189,7 +189,7 @@ async def test_a_setting_keeps_nodes_from_being_asked(robot: Robot):
         await speaker.send(op="subscribe", topic="/unasked")
         status = await speaker.status()
         assert status["msg"] == (
-            "type: no definition of my_msgs/msg/Unasked is installed; install its package, or"
+            "type: no definition of my_msgs/msg/Unasked is installed: install its package, or"
             " name a folder that has the definition in types.paths"
         )
 

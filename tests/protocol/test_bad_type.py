@@ -30,7 +30,7 @@ def test_the_guess_is_for_what_is_missing_not_for_what_nests_it(tmp_path: Path) 
     with pytest.raises(UnknownTypeError) as caught:
         definitions.closure(["my_msgs/msg/C"])
     assert str(bad_type(caught.value, definitions)) == (
-        "type: no definition of other_msgs/msg/D is installed; install its package, or name a"
+        "type: no definition of other_msgs/msg/D is installed: install its package, or name a"
         " folder that has the definition in types.paths"
     )
 

@@ -17,7 +17,7 @@ from gateway.protocol.rosbridge_fragments import (
 from gateway.protocol.websocket_frames import text_frames
 from tests.wire import unpacked, websocket_frames
 
-TOO_LARGE = "at most 1000 allowed in all (limits.max_message_bytes); send less at once"
+TOO_LARGE = "at most 1000 allowed in all (limits.max_message_bytes): send less at once"
 LIMIT = 1000
 
 

@@ -354,7 +354,7 @@ def test_a_long_text_is_refused_before_it_is_compared_with_what_is_known(name):
         operation = {"op": "subscribe", "topic": "/t", name: "x" * length}
         reading = client.session.receive(json.dumps(operation).encode().ljust(64 * 1024 + 1), 0)
         in_one_go(reading)
-        text = f"{name}: 4097 characters, at most 4096 are allowed; send a shorter text"
+        text = f"{name}: 4097 characters, at most 4096 are allowed: send a shorter text"
         assert (text in [answer["msg"] for answer in client.answers]) is (length > 4096)
     client = Client(Limits())
     client.session.receive(cbor2.dumps(operation | {name: "x" * 70_000}), 0)

@@ -81,7 +81,7 @@ async def test_a_service_is_called_in_cbor(bench: Bench):
         (b"\xa1\x62op\x01", "op: expected a string"),
         (b"\xa0", "op: missing"),
         (b"\xa1\x61v" + b"\x81" * 40 + b"\x01", "frame nests deeper than 32 levels"),
-        (b"\x81\x01", "frame is not UTF-8 at offset 0; what is CBOR begins with a map"),
+        (b"\x81\x01", "frame is not UTF-8 at offset 0: CBOR must begin with a map"),
     ],
 )
 async def test_what_is_no_operation_in_cbor_is_refused_in_words(bench: Bench, data, words):

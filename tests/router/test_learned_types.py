@@ -20,7 +20,7 @@ from tests.router.conftest import Bench
 SERVICE_TYPE = "type_description_interfaces/srv/GetTypeDescription"
 LAMP = "my_msgs/msg/Lamp"
 NO_LAMP = f"type: no definition of {LAMP} is installed, and a node that has it "
-REMEDY = "; install its package, or name a folder that has the definition in types.paths"
+REMEDY = ": install its package, or name a folder that has the definition in types.paths"
 
 
 class Node:
@@ -108,12 +108,12 @@ async def test_who_subscribes_meanwhile_waits_for_the_definition(bench: Bench):
     client = bench.client()
     client.send(op="set_level", level="info")
     client.send(op="subscribe", topic="/lamp")
-    text = f"topic /lamp: a node is being asked for the definition of {LAMP}; waiting for it"
+    text = f"topic /lamp: a node is being asked for the definition of {LAMP}, waiting for it"
     assert client.of("status")[-1]["msg"] == text
     client.send(op="publish", topic="/lamp", msg={})
     status = client.of("status")[-1]
     assert status["level"] == "error"
-    text = f"type: a node is being asked for the definition of {LAMP}; try again in a moment"
+    text = f"type: a node is being asked for the definition of {LAMP}: try again in a moment"
     assert status["msg"] == text
     await node.is_asked()
     node.respond()
@@ -149,7 +149,7 @@ async def test_who_waits_hears_once_why_there_is_none(bench: Bench, monkeypatch)
     node.respond(REFUSAL)
     await client.sees(1, "status")
     assert client.statuses == [
-        ("bad_type", f"{NO_LAMP}says: not mine{REMEDY}; waiting for /lamp to change")
+        ("bad_type", f"{NO_LAMP}says: not mine{REMEDY}, waiting for /lamp to change")
     ]
     await node.is_asked(2)  # after a while
     node.respond(REFUSAL)

@@ -62,19 +62,19 @@ async def test_a_viewer_gets_samples(bench: Bench) -> None:
     [
         (
             {"op": "publish", "topic": "cmd_vel", "type": STRING, "msg": {}},
-            "publishing on /cmd_vel takes role operator or admin, and this client is viewer",
+            "publishing on /cmd_vel requires role operator or admin, and this client is viewer",
         ),
         (
             {"op": "advertise", "topic": "/cmd_vel", "type": STRING},
-            "publishing on /cmd_vel takes role operator or admin, and this client is viewer",
+            "publishing on /cmd_vel requires role operator or admin, and this client is viewer",
         ),
         (
             {"op": "advertise_service", "service": "arm", "type": TRIGGER},
-            "providing service /arm takes role operator or admin, and this client is viewer",
+            "providing service /arm requires role operator or admin, and this client is viewer",
         ),
         (
             {"op": "advertise_action", "action": "/dock", "type": FIBONACCI},
-            "providing action /dock takes role operator or admin, and this client is viewer",
+            "providing action /dock requires role operator or admin, and this client is viewer",
         ),
     ],
 )
@@ -92,7 +92,7 @@ async def test_a_viewer_calls_no_service_of_ros_and_sends_no_goal(bench: Bench) 
     client.send(op="call_service", id=2, service="/dock/_action/send_goal")
     client.send(op="send_action_goal", id=3, action="dock", action_type=FIBONACCI)
     client.send(op="call_service", id=4, service="/rosapi/topics")
-    forbidden = "takes role operator or admin, and this client is viewer"
+    forbidden = "requires role operator or admin, and this client is viewer"
     assert [frame.get("values") for frame in client.frames[:3]] == [
         f"calling /reset {forbidden}",
         f"calling /dock/_action/send_goal {forbidden}",
@@ -115,7 +115,7 @@ async def test_a_local_page_watches_and_calls_but_does_not_drive(bench: Bench) -
     page.send(op="call_service", id=2, service="/go/_action/send_goal")
     page.send(op="publish", id=3, topic="/cmd_vel", type="geometry_msgs/msg/Twist", msg={})
     forbidden = (
-        "takes role operator or admin, and this client is page;"
+        "requires role operator or admin, and this client is page;"
         " to let this page do more, add its origin to the setting allowed_origins"
     )
     refused = {frame["id"]: frame for frame in page.frames if "id" in frame}
@@ -130,7 +130,7 @@ async def test_a_deny_holds_for_every_way_to_write_a_name(bench: Bench, name: st
     client.send(op="publish", topic=name, type=STRING, msg={"data": "x"})
     (status,) = client.statuses
     assert status[0] == "forbidden"
-    assert "takes role admin" in status[1]
+    assert "requires role admin" in status[1]
     client.send(op="publish", topic="/other", type=STRING, msg={"data": "x"})
     assert len(client.statuses) == 1
 
@@ -148,7 +148,7 @@ async def test_what_no_role_may_do_is_said_to_be_so(bench: Bench) -> None:
     )
     client = operator(bench, nobody)
     client.send(op="publish", topic="/estop", type=STRING, msg={})
-    assert "publishing on /estop is allowed to no role" in client.statuses[0][1]
+    assert "publishing on /estop is not allowed for any role" in client.statuses[0][1]
 
 
 class Secrets:
@@ -297,8 +297,8 @@ async def test_parameters_are_services_of_their_node_however_they_are_asked_for(
     assert by_id[4]["result"] is may_set
     if not may_set:
         assert by_id[2]["code"] == "forbidden"
-        assert "/base/set_parameters takes role admin" in by_id[2]["msg"]
-        assert "/base/set_parameters takes role admin" in by_id[3]["values"]["reason"]
+        assert "/base/set_parameters requires role admin" in by_id[2]["msg"]
+        assert "/base/set_parameters requires role admin" in by_id[3]["values"]["reason"]
     audited = [json.loads(record.getMessage()) for record in caplog.records]
     refused = [] if may_set else ["set_parameters", "call_service"]
     assert sorted(each["op"] for each in audited) == sorted(refused)
@@ -332,7 +332,7 @@ async def test_who_cannot_subscribe_to_tf_looks_nothing_up(bench: Bench) -> None
     client.send(op="lookup_transform", id=1, target_frame="map", source_frame="odom")
     code, text = client.statuses[0]
     assert code == "forbidden"
-    assert "subscribing to /tf takes role viewer or admin" in text
+    assert "subscribing to /tf requires role viewer or admin" in text
     nothing = AccessConfig(viewer=ViewerConfig(subscribe=("/odom",)))
     client = viewer(bench, nothing)
     client.send(op="lookup_transform", id=1, target_frame="map", source_frame="odom")
@@ -409,5 +409,5 @@ async def test_an_operation_of_which_nobody_says_what_it_needs_is_forbidden(benc
         op = "new"
 
     new: Any = New()
-    with pytest.raises(ProtocolError, match="new takes a role without bounds"):
+    with pytest.raises(ProtocolError, match="new requires a role without limits"):
         may_carry_out(viewer(bench).session, new)

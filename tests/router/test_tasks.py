@@ -20,9 +20,9 @@ async def test_who_waits_for_a_turn_to_ask_a_node_is_told_after_10_s(
     await clock.advance(9.99)
     assert client.statuses == []
     await clock.advance(0.02)
-    assert client.statuses == [
-        ("timeout", f"{LIMITS.max_pending_calls} other calls of this client are still under way")
-    ]
+    waiting = LIMITS.max_pending_calls
+    text = f"{waiting} other calls of this client still wait for an answer: send fewer at once"
+    assert client.statuses == [("timeout", text)]
 
 
 async def test_what_a_task_takes_is_spent_by_its_client_and_what_it_waits_is_not(bench: Bench):

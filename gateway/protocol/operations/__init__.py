@@ -55,7 +55,7 @@ ClientOperation = (
     | gateway.Events
     | gateway.Auth
 )
-"""The operations that a router carries out; a `Fragment` is a part of one of these."""
+"""The operations that a router carries out. A `Fragment` is a part of one of these."""
 
 OPERATIONS: Final[dict[str, type[ClientOperation | fragment.Fragment]]] = {
     model.op: model for model in (*get_args(ClientOperation), fragment.Fragment)

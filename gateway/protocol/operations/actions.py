@@ -8,7 +8,7 @@ from gateway.protocol.operations.base import FragmentSize, Id, Operation
 
 
 class SendActionGoal(Operation):
-    """Send a goal; the answer is an `action_result` with the same id, whatever happens."""
+    """Send a goal. The answer is an `action_result` with the same id, whatever happens."""
 
     op = "send_action_goal"
     action: str
@@ -21,7 +21,7 @@ class SendActionGoal(Operation):
 
 
 class CancelActionGoal(Operation):
-    """Ask to cancel a goal by its id; its result reports whether it was cancelled."""
+    """Ask to cancel a goal by its id. Its result reports whether it was cancelled."""
 
     op = "cancel_action_goal"
     needs_permission = False
@@ -38,7 +38,7 @@ class AdvertiseAction(Operation):
 
 
 class UnadvertiseAction(Operation):
-    """Stop providing an action; its goals are aborted."""
+    """Stop providing an action. Its goals are aborted."""
 
     op = "unadvertise_action"
     needs_permission = False
@@ -46,7 +46,7 @@ class UnadvertiseAction(Operation):
 
 
 class ActionFeedback(Operation):
-    """Report the progress of a goal; *id* is the goal's."""
+    """Report the progress of a goal. *id* is the goal's."""
 
     op = "action_feedback"
     needs_permission = False
@@ -56,12 +56,12 @@ class ActionFeedback(Operation):
 
 
 class ActionResult(Operation):
-    """End a goal; *id* is the goal's."""
+    """End a goal. *id* is the goal's."""
 
     op = "action_result"
     needs_permission = False
     action: str
     id: Id
     values: Any = None
-    status: int | None = None  # of action_msgs/msg/GoalStatus; roslib 1 sends none
+    status: int | None = None  # of action_msgs/msg/GoalStatus, roslib 1 sends none
     result: bool = True

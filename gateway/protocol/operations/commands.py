@@ -5,15 +5,15 @@ from gateway.protocol.operations.base import Operation
 
 
 class Stop(Operation):
-    """Stop one command topic, or without a name all of them; any client may."""
+    """Stop one command topic, or without a name all of them. Any client may."""
 
     op = "stop"
-    needs_permission = False  # whoever sees a robot may stop it
+    needs_permission = False  # every client may stop a robot
     topic: str | None = None
 
 
 class AcquireControl(Operation):
-    """Take control of a command topic, also from another client; it is stopped first."""
+    """Take control of a command topic, also from another client. It is stopped first."""
 
     op = "acquire_control"
     needs_permission = False  # checked where the topic is known
@@ -21,7 +21,7 @@ class AcquireControl(Operation):
 
 
 class ReleaseControl(Operation):
-    """Give control back; what moves is stopped."""
+    """Give control back. A robot that moves is stopped."""
 
     op = "release_control"
     needs_permission = False
@@ -31,7 +31,7 @@ class ReleaseControl(Operation):
 class Control(Operation):
     """Ask for the state of a command topic.
 
-    Once or, with ``watch: true``, with all later changes; ``watch: false`` ends these.
+    Once or, with ``watch: true``, with all later changes. ``watch: false`` ends these.
     """
 
     op = "control"

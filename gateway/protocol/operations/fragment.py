@@ -9,7 +9,7 @@ from gateway.protocol.operations.base import Id, Operation
 
 
 class Fragment(Operation):
-    """One piece of a message; the pieces of one message share an id."""
+    """One piece of a message. The pieces of one message share an id."""
 
     op = "fragment"
     id: Id

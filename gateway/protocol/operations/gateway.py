@@ -29,14 +29,14 @@ class Hello(Operation):
 
 
 class Help(Operation):
-    """Ask for lines to try; the text ``help``, which is not JSON, asks for them, too."""
+    """Ask for lines to try. The plain text ``help`` also asks for them."""
 
     op = "help"
     needs_permission = False
 
 
 class Ping(Operation):
-    """Ask for the clocks; the answer repeats the value unchanged."""
+    """Ask for the clocks. The answer repeats the value unchanged."""
 
     op = "ping"
     needs_permission = False
@@ -74,7 +74,7 @@ class Generate(Operation):
         if asmdef is not None and not is_assembly_name(asmdef):
             raise ValueError(f"expected {EXPECTATION}")
         if asmdef is not None and info.data.get("language", "csharp") != "csharp":
-            raise ValueError("it is for csharp alone")
+            raise ValueError("it is only for csharp")
         return asmdef
 
 
@@ -90,7 +90,7 @@ class FetchAsset(Operation):
 class GraphRequest(Operation):
     """Ask for topics, services, actions and nodes.
 
-    Once or, with ``watch: true``, with all later changes; ``watch: false`` ends these.
+    Once or, with ``watch: true``, with all later changes. ``watch: false`` ends these.
     """
 
     op = "graph"
@@ -110,7 +110,7 @@ class Events(Operation):
 
 
 class Auth(Operation):
-    """Show a token; the first frame of clients that can send no header.
+    """Show a token: the first frame of a client that cannot send a header.
 
     Of rosbridge's own fields (`mac`, `client`, ...) none is used: its shared secret authenticates
     nobody in particular.

@@ -22,7 +22,7 @@ class ListParameters(Operation):
 
 
 class GetParameters(Operation):
-    """Ask for values; without names, for all that the node has."""
+    """Ask for the named values, or for all values of the node."""
 
     op = "get_parameters"
     needs_permission = False  # checked where the node is known
@@ -32,7 +32,7 @@ class GetParameters(Operation):
 
 
 class SetParameters(Operation):
-    """Set values; ``null`` deletes a parameter."""
+    """Set values. ``null`` deletes a parameter."""
 
     op = "set_parameters"
     needs_permission = False  # checked where the node is known
@@ -42,7 +42,7 @@ class SetParameters(Operation):
 
 
 class DescribeParameters(Operation):
-    """Ask for types, ranges and descriptions; without names, of all that the node has."""
+    """Ask for types, ranges and descriptions of the named parameters, or of all."""
 
     op = "describe_parameters"
     needs_permission = False  # checked where the node is known

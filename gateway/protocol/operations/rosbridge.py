@@ -8,7 +8,7 @@ that only newer servers read, and those that clients send although no server rea
 from collections.abc import Mapping
 from typing import Final
 
-# Of the connection, with any operation; ROS# sends a `fragment_size` with most.
+# Of the connection, with any operation. ROS# sends a `fragment_size` with most.
 _ANY: Final = "op id fragment_size message_intervall png"
 
 _OPERATIONS: Final = {

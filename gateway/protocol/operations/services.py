@@ -8,7 +8,7 @@ from gateway.protocol.operations.base import FragmentSize, Operation, Seconds
 
 
 class CallService(Operation):
-    """Call a service; the answer is a `service_response` with the same id, whatever happens."""
+    """Call a service. The answer is a `service_response` with the same id, whatever happens."""
 
     op = "call_service"
     service: str
@@ -36,7 +36,7 @@ class UnadvertiseService(Operation):
 
 
 class ServiceResponse(Operation):
-    """Answer a call that the gateway passed on; *id* is the call's."""
+    """Answer a call that the gateway passed on. *id* is the call's."""
 
     op = "service_response"
     needs_permission = False

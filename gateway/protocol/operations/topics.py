@@ -30,7 +30,7 @@ Duration = Seconds | SecsNsecs | Literal["infinite"] | None
 
 
 class QosRequest(OperationPart):
-    """The quality of service that a client asks for; missing fields are adopted.
+    """The quality of service that a client asks for. Missing fields are adopted.
 
     Durations are seconds, ``{secs, nsecs}`` or ``"infinite"``, as in rosbridge.
     """
@@ -124,7 +124,7 @@ class Unadvertise(Operation):
 
 
 class Publish(_Publisher):
-    """Publish one message; advertise the topic first if the type is given or known.
+    """Publish one message. Advertise the topic first if the type is given or known.
 
     ``monotonic_ms`` is for command topics: a clock of the client that never goes back.
     """

@@ -9,7 +9,7 @@ from gateway.protocol.operations.base import MIN_RATE_HZ, Id, Operation, Operati
 from gateway.tf.buffer import MAX_FRAME_CHARACTERS
 from schemas.json_forms import duration
 
-MAX_RATE_HZ: Final = 200  # what a headset draws, twice
+MAX_RATE_HZ: Final = 200  # twice the frame rate of a headset
 # A robot takes as long to start. To wait longer, a client asks again, or periodically.
 MAX_TIMEOUT_S: Final = 60
 

@@ -101,7 +101,7 @@ class ClientActions:
         session.inform(f"providing {action} ({action_type.name})", request.op, request.id)
 
     def unadvertise(self, session: Session, request: UnadvertiseAction) -> None:
-        """Close an action server; its goals are aborted.
+        """Close an action server. Its goals are aborted.
 
         Raises:
             ProtocolError: this client does not provide it.
@@ -124,7 +124,7 @@ class ClientActions:
 
         Raises:
             ProtocolError: the goal is unknown, the status does not end a goal, or the values do
-                not fit the type; in this last case the goal is aborted.
+                not fit the type. In this last case the goal is aborted.
         """
         provided, goal_id = self._find(session, request)
         # roslib 1 leaves the status out: then only success or failure is known
@@ -155,7 +155,7 @@ class ClientActions:
         goal.finish(status, cdr)
 
     def leave(self, session: Session) -> None:
-        """Close all actions of a client; their goals are aborted."""
+        """Close all actions of a client. Their goals are aborted."""
         for action, provided in list(self._provided.items()):
             if provided.session is session:
                 self._close(action, provided)

@@ -23,7 +23,7 @@ from gateway.router.interface_types import InterfaceTypes
 from gateway.router.tasks import Metered, answered
 from gateway.service_clients import encode_values
 
-# An action server accepts or rejects a goal at once; the goal itself may take hours.
+# An action server accepts or rejects a goal at once. The goal itself may take hours.
 ACCEPT_S: Final = 5.0
 # Only the newest feedback matters: a slow reader gets that.
 FEEDBACK_QUEUE: Final = (16, 256 * 1024)  # messages, bytes
@@ -81,11 +81,11 @@ class Goals:
         return sum(map(len, self._sent.values()))
 
     def count(self, session: Session) -> int:
-        """Count the goals of a client; each may need a client of another action."""
+        """Count the goals of a client. Each may need a client of another action."""
         return len(self._sent.get(session, ()))
 
     def send(self, session: Session, request: SendActionGoal) -> None:
-        """Send a goal; feedback and the result, or an error, are sent later.
+        """Send a goal. Feedback and the result, or an error, are sent later.
 
         Raises:
             ProtocolError: no server provides the action with that type, the goal does not fit the
@@ -96,10 +96,12 @@ class Goals:
         own = self._sent.get(session, set())
         if len(own) >= session.limits.max_goals:
             limit = session.limits.max_goals
-            raise over_limit(limit, "goals under way per client", "max_goals")
+            raise over_limit(limit, "unfinished goals per client", "max_goals")
         session.check_share()
         if request.id is not None and any(other.request.id == request.id for other in own):
-            raise ProtocolError("bad_request", f"id: {request.id!r} is a goal under way already")
+            raise ProtocolError(
+                "bad_request", f"id: {request.id!r} is already in use by an unfinished goal"
+            )
         goal = encode_values(action_type.goal, request.args, self._ros.now_ns, "args")
         queue = session.outbox.open_queue(*FEEDBACK_QUEUE)
         sent = SentGoal(session, request, action, action_type, queue)
@@ -110,7 +112,7 @@ class Goals:
         sent.task.add_done_callback(lambda _: self._forget(sent))
 
     def cancel(self, session: Session, request: CancelActionGoal) -> None:
-        """Ask the server to cancel a goal; its result reports whether it was cancelled.
+        """Ask the server to cancel a goal. Its result reports whether it was cancelled.
 
         Raises:
             ProtocolError: the client has no active goal with this id.

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The models and pictures of installed packages, which a robot's description names.
 
-A description (URDF, http://wiki.ros.org/urdf/XML/link) or a marker has them as
-``package://arm/meshes/upper.stl``: the file below ``share/arm`` of the first prefix that has
-the package. xacro's ``$(find arm)`` makes ``file://`` of it, which is that very file.
+A description (URDF, http://wiki.ros.org/urdf/XML/link) or a marker names them as
+``package://arm/meshes/upper.stl``. This is the file below ``share/arm`` of the first prefix that
+has the package. xacro's ``$(find arm)`` makes ``file://`` of it, which is the same file.
 """
 
 import asyncio
@@ -23,13 +23,13 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.gateway import FetchAsset
 from schemas.installed import installed_prefixes
 
-# What a mesh or a texture ends in: nothing else of a package is anybody's business.
+# The endings of meshes and textures. Other files of a package are not served.
 SUFFIXES: Final = (".stl", ".dae", ".obj", ".mtl", ".glb", ".ply", ".png", ".jpg", ".jpeg")
 MAX_BYTES: Final = 64 * 1024 * 1024
-# An answer goes ahead of what waits in queues, so it is no larger than a picture.
+# An answer goes ahead of what waits in queues, so it is as small as a picture.
 CHUNK_BYTES: Final = 32 * 1024
 
-ANSWER_S: Final = 8.0  # less than a client waits; a disk of the network may never answer
+ANSWER_S: Final = 8.0  # less than a client waits, because a network disk may never answer
 
 _PACKAGES: Final = "package://"
 _PACKAGE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,254}")
@@ -50,14 +50,14 @@ class Assets:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="assets")
 
     def close(self) -> None:
-        """Read no more; the thread ends with what it is reading."""
+        """Read no more. The thread ends with what it is reading."""
         self._thread.shutdown(wait=False, cancel_futures=True)
 
     async def fetch(self, request: FetchAsset) -> dict[str, Any]:
         """Return the part of an asset that begins at an offset, for the answer.
 
         Raises:
-            ProtocolError: as for `read`; ``timeout``: the disk, or others' assets, took too long.
+            ProtocolError: as for `read`. ``timeout``: the disk, or others' assets, took too long.
         """
         loop = asyncio.get_running_loop()
         try:
@@ -66,7 +66,7 @@ class Assets:
                     self._thread, read, request.uri, request.offset, installed_prefixes()
                 )
         except TimeoutError:
-            text = f"not read within {ANSWER_S:g} s, as the disk or others' assets take so long"
+            text = f"not read within {ANSWER_S:g} s, because the disk is slow: try again"
             raise ProtocolError("timeout", f"{_quoted(request.uri)}: {text}") from None
         return {
             "uri": request.uri,
@@ -77,26 +77,26 @@ class Assets:
 
 
 def read(uri: str, offset: int, prefixes: Sequence[Path]) -> Chunk:
-    """Read up to `CHUNK_BYTES` of an asset; none at its end.
+    """Read up to `CHUNK_BYTES` of an asset, none at its end.
 
     Raises:
-        ProtocolError: ``bad_name``: the URI names no model or picture of a package;
-            ``not_found``: the package or the file is missing; ``invalid_value``: *offset* is
-            beyond its end; ``limit_exceeded``: it is too large.
+        ProtocolError: ``bad_name``: the URI names no model or picture of a package.
+            ``not_found``: the package or the file is missing. ``invalid_value``: *offset* is
+            beyond its end. ``limit_exceeded``: it is too large.
     """
     path = _path(uri, prefixes)
     try:
-        # not blocking, where somebody has put a FIFO
+        # not blocking, because it may be a FIFO
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     except (OSError, ValueError) as error:  # a ValueError of NUL
-        reason = "the package has no such file, or none that can be read"
+        reason = "the package has no such file, or it cannot be read"
         raise ProtocolError("not_found", f"{_quoted(uri)}: {reason}") from error
     try:
         status = os.fstat(descriptor)
         if not stat.S_ISREG(status.st_mode):
-            raise ProtocolError("not_found", f"{_quoted(uri)}: that is no file")
+            raise ProtocolError("not_found", f"{_quoted(uri)}: this is not a regular file")
         if status.st_size > MAX_BYTES:
-            reason = f"it has {status.st_size} bytes, at most {MAX_BYTES} are given"
+            reason = f"it has {status.st_size} bytes, at most {MAX_BYTES} are allowed"
             raise ProtocolError("limit_exceeded", f"{_quoted(uri)}: {reason}")
         if offset > status.st_size:
             reason = f"offset: expected at most {status.st_size}, its size, got {offset}"
@@ -122,7 +122,7 @@ def _path(uri: str, prefixes: Sequence[Path]) -> Path:
 
 
 def _found(uri: str, prefixes: Sequence[Path]) -> tuple[Sequence[Path], str]:
-    """Return the prefix of a ``file://``, and what follows its ``share``; nothing of another."""
+    """Return the prefix of a ``file://`` and the path below its ``share``, if it is known."""
     for location in (uri, unquote(uri)):  # xacro writes paths as they are
         for prefix in prefixes:
             begin = f"file://{prefix}/share/"
@@ -138,7 +138,7 @@ def _checked(uri: str, location: str) -> tuple[str, str]:
         expected = "expected package://PACKAGE/PATH, or file:// of the same file"
         raise ProtocolError("bad_name", f"{_quoted(uri)}: {expected}")
     if any(part in {"", ".", ".."} for part in path.split("/")):
-        raise ProtocolError("bad_name", f"{_quoted(uri)}: . and .. lead out of the package")
+        raise ProtocolError("bad_name", f"{_quoted(uri)}: . and .. are not allowed in the path")
     if not path.lower().endswith(SUFFIXES):
         expected = f"expected one of the files that end in {', '.join(SUFFIXES)}"
         raise ProtocolError("bad_name", f"{_quoted(uri)}: {expected}")

@@ -33,7 +33,7 @@ class ClientCode:
         self._turn = asyncio.Semaphore()
 
     def close(self) -> None:
-        """Write no more; the thread ends with what it is writing."""
+        """Write no more. The thread ends with what it is writing."""
         self._thread.shutdown(wait=False, cancel_futures=True)
 
     async def generate(self, session: Session, request: Generate) -> dict[str, Any]:
@@ -50,7 +50,7 @@ class ClientCode:
             async with asyncio.timeout(TURN_S):
                 await self._turn.acquire()
         except TimeoutError:
-            text = "others ask for clients' code, too: ask again"
+            text = "other clients are waiting for code too long: try again"
             raise ProtocolError("limit_exceeded", text) from None
         work = _Writing(request, definitions)
         written = asyncio.get_running_loop().run_in_executor(self._thread, work.run)
@@ -85,7 +85,7 @@ class _Writing:
         """Of the thread's own time."""
 
     def run(self) -> tuple[dict[str, str], list[str]]:
-        """Write the files; in any thread."""
+        """Write the files, in any thread."""
         begin_s = time.thread_time()
         try:
             return _written(self._request, self._definitions)

@@ -53,7 +53,7 @@ class Descriptions:
         self.definitions = definitions
 
     def describe(self, session: Session, requested: str | int, graph: Graph) -> Description:
-        """Describe a type; *graph* has the names that the client may see.
+        """Describe a type. *graph* has the names that the client may see.
 
         Raises:
             ProtocolError: it names no installed type, and nothing in the graph.
@@ -104,7 +104,7 @@ class Descriptions:
     def _example(
         self, session: Session, found: Type, name: str | None, graph: Graph
     ) -> dict[str, Any] | None:
-        """Return a frame to paste; ``None`` if the type is of a service that nobody provides."""
+        """Return a frame to paste. ``None`` if the type is of a service that nobody provides."""
         match found:
             case MessageType():
                 topic = name or EXAMPLE_TOPICS + found.name

@@ -15,7 +15,7 @@ from schemas.installed import InstalledDefinitions
 EXAMPLE_TOPICS: Final = "/example/"
 MAX_CHARACTERS: Final = 1000  # of the values: some lines of a terminal, which a person still reads
 _MAX_DEPTH: Final = 6  # ROS messages nest 8 at most, arrays included
-_MAX_ELEMENTS: Final = 9  # of an array of fixed length, such as a 3x3 matrix; longer ones stay away
+_MAX_ELEMENTS: Final = 9  # of an array of fixed length, such as a 3x3 matrix
 
 _TIME: Final = "builtin_interfaces/msg/Time"
 
@@ -54,8 +54,8 @@ def goal_frame(
 def example(definition: Definition, definitions: InstalledDefinitions) -> dict[str, Any]:
     """Return a value of a message type that shows its fields.
 
-    What makes it too long is left out, which a message may do with any field: long arrays of fixed
-    length, and of very large types what they nest.
+    Fields that make it too long are left out, as any message may do: long arrays of fixed length,
+    and the nested messages of very large types.
     """
     for depth in range(_MAX_DEPTH, -1, -1):
         values = dict(_values(definition, definitions, depth))

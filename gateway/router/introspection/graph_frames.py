@@ -8,7 +8,7 @@ from gateway.ports import Graph, ServerInfo, TopicInfo
 
 
 def picture(graph: Graph, rates_hz: Mapping[str, float]) -> dict[str, Any]:
-    """Return the members of a `graph` answer; rates are known for received topics only."""
+    """Return the members of a `graph` answer. Rates are known for received topics only."""
     return {
         "topics": [_topic(topic, rates_hz) for topic in graph.topics],
         "services": [_provided(service) for service in graph.services],
@@ -20,7 +20,7 @@ def picture(graph: Graph, rates_hz: Mapping[str, float]) -> dict[str, Any]:
 def changes(before: Graph, after: Graph) -> dict[str, Any]:
     """Return the members of a later `graph` frame, empty if nothing changed.
 
-    ``topics``, ``services`` and ``actions`` hold complete entries, those new or different;
+    ``topics``, ``services`` and ``actions`` hold complete entries, those new or different.
     ``gone_topics`` and the like, ``nodes`` and ``gone_nodes`` hold names.
     """
     new_topics, gone_topics = _difference(before.topics, after.topics)

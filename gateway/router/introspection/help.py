@@ -35,7 +35,7 @@ _PARAMETERS: Final = "/list_parameters"
 
 
 def frames_to_try(graph: Graph, may: May) -> Mapping[str, dict[str, Any]]:
-    """Return a few frames by what they are for; each is accepted as it is.
+    """Return a few frames by what they are for. Each is accepted as it is.
 
     *graph* has the names that the client may see, and *may* returns what it may do. Nothing
     here moves a robot.

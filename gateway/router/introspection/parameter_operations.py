@@ -15,7 +15,7 @@ from gateway.rosapi.node_parameters import Parameters, node_timeout_s
 
 
 class ParameterOperations:
-    """Carries out the operations on parameters; each returns the members of its answer.
+    """Carries out the operations on parameters. Each returns the members of its answer.
 
     Each raises `ProtocolError` as `Parameters` does.
     """
@@ -47,7 +47,7 @@ class ParameterOperations:
         return {"node": request.node, "values": values}
 
     async def set(self, request: SetParameters) -> dict[str, Any]:
-        """Set values; report for each whether the node refused it, and why."""
+        """Set values. Report for each whether the node refused it, and why."""
         timeout_s = node_timeout_s(request.timeout)
         results = await self._parameters.set(request.node, request.values, timeout_s)
         return {

@@ -26,7 +26,7 @@ from gateway.service_clients import encode_values
 
 logger = logging.getLogger(__name__)
 
-# Calls that wait for one client to answer; a client that is so far behind will not catch up.
+# Calls that wait for one client to answer. A client that is so far behind will not catch up.
 MAX_PENDING: Final = 64
 
 
@@ -51,7 +51,7 @@ class ClientService:
 
 
 class ClientServices:
-    """Opens and closes ROS services as clients come and go; every call is answered."""
+    """Opens and closes ROS services as clients come and go. Every call is answered."""
 
     def __init__(
         self, ros: Ros, types: InterfaceTypes, is_reserved: Callable[[ServiceName], bool]
@@ -99,7 +99,7 @@ class ClientServices:
             session.check_share()
         if former is not None:
             check_takeover(session, former.session, service, service_type.name, former.type.name)
-            self._close(service, former, "service was provided anew")
+            self._close(service, former, "service was provided again")
         others = () if former else self._others(service)
         try:
             self._open(session, service, request.service, service_type)
@@ -114,7 +114,7 @@ class ClientServices:
         session.inform(f"providing {service} ({service_type.name})", request.op, request.id)
 
     def unadvertise(self, session: Session, request: UnadvertiseService) -> None:
-        """Close a service; its callers are answered.
+        """Close a service. Its callers are answered.
 
         Raises:
             ProtocolError: this client does not provide it.
@@ -126,7 +126,7 @@ class ClientServices:
         """Send a client's answer to the caller.
 
         Raises:
-            ProtocolError: no call waits for this answer, or its values do not fit the type; then
+            ProtocolError: no call waits for this answer, or its values do not fit the type. Then
                 the caller gets a failure.
         """
         service = resolve_service(response.service, session.limits.max_name_characters)
@@ -150,11 +150,11 @@ class ClientServices:
             raise
         pending.request.answer(cdr)
         if not response.result:
-            text = "a ROS service has no way to fail: the caller gets these values"
+            text = "a ROS service cannot fail: the caller gets these values"
             session.warn(ProtocolError("bad_request", text), response.op, response.id)
 
     def leave(self, session: Session) -> None:
-        """Close all services of a client; their callers are answered."""
+        """Close all services of a client. Their callers are answered."""
         for service, provided in list(self._provided.items()):
             if provided.session is session:
                 self._close(service, provided, "service's client has left")
@@ -208,7 +208,7 @@ class ClientServices:
         pending = provided.pending.pop(call_id)
         _fail(pending.request, provided.type, "service's client did not answer")
         name = provided.requested_name
-        text = f"service {name}: no response in time, the caller was told of a failure"
+        text = f"service {name}: no response in time, the caller received a failure"
         provided.session.warn(ProtocolError("timeout", text), "call_service", call_id)
 
     def _close(self, service: ServiceName, provided: ClientService, reason: str) -> None:
@@ -222,7 +222,7 @@ class ClientServices:
 
 
 def _fail(request: Request, service_type: ServiceType, reason: str) -> None:
-    """Answer a call that has failed; a caller that is gone needs no answer."""
+    """Answer a call that has failed. A caller that is gone needs no answer."""
     try:
         request.answer(failure(service_type.response, reason))
     except RosError:

@@ -15,7 +15,7 @@ from gateway.router.interface_types import InterfaceTypes
 from gateway.router.tasks import Tasks
 from gateway.service_clients import ServiceClients
 
-MAX_TIMEOUT_S: Final = 3600.0  # also where a client says for ever, by 0
+MAX_TIMEOUT_S: Final = 3600.0  # also if a client asks for no limit, by 0
 
 
 class ServiceCalls:
@@ -30,7 +30,7 @@ class ServiceCalls:
         calling: Tasks,
         asking: Tasks,
     ) -> None:
-        """*rosapi* is as a client sees it; *calling* is for services of ROS, *asking* for it."""
+        """*rosapi* is as a client sees it. *calling* is for services of ROS, *asking* for it."""
         self._types = types
         self._service_clients = service_clients
         self._rosapi = rosapi
@@ -38,7 +38,7 @@ class ServiceCalls:
         self._asking = asking
 
     def call(self, session: Session, request: CallService) -> None:
-        """Call a service; the response, or an error, is sent later.
+        """Call a service. The response, or an error, is sent later.
 
         Raises:
             ProtocolError: nobody provides it, not with that type, or too many calls wait.

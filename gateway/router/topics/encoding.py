@@ -40,7 +40,7 @@ from gateway.router.topics.subscription import EncodingKey, Subscription
 logger = logging.getLogger(__name__)
 
 Encode = Callable[[Cdr], bytes]
-"""From CDR to a message as it stands in a frame; raises `CodecError`."""
+"""From CDR to a message as it stands in a frame. Raises `CodecError`."""
 
 # Between slices of a worker. A sleep of 0 gives the GIL back, and takes it before others wake up.
 PAUSE_S: Final = 0.0001
@@ -49,7 +49,7 @@ _ENCODED: Final = Sample(b"", 0)
 
 
 class Encoding:
-    """Encodes on the event loop, at the moment a frame is wanted; *large* samples in slices.
+    """Encodes on the event loop, at the moment a frame is wanted. *large* samples in slices.
 
     *on_error* hears of samples that cannot be encoded.
     """
@@ -94,8 +94,8 @@ class Encoding:
 class WorkerEncoding(Encoding):
     """Encodes in a worker thread: a picture takes milliseconds, and OpenCV releases the GIL.
 
-    At most one sample is being encoded. Whoever wants another one asks again after *on_ready* was
-    called, and by then a newer one may wait in its place.
+    At most one sample is being encoded. A caller that wants another one asks again after *on_ready*
+    was called, and by then a newer one may wait in its place.
     """
 
     def __init__(
@@ -120,7 +120,7 @@ class WorkerEncoding(Encoding):
         return self._busy_with is shared
 
     def encode(self, shared: "SharedFrame") -> Frame:
-        """Start to encode unless another sample is being encoded; never ready at once."""
+        """Start to encode unless another sample is being encoded. Never ready at once."""
         if self._busy_with is None:
             self._busy_with = shared
             loop = asyncio.get_running_loop()
@@ -148,11 +148,10 @@ class WorkerEncoding(Encoding):
 class SharedFrame:
     """One sample in one encoding: an entry that many queues share.
 
-    It holds one of three: the sample; once it is encoded, the message; once a subscription took it
-    that shares frames, the frame. Of a large sample message and frame are the same pieces. `size`
-    is the sample's and stays so while others wait, though what they hold may by then be larger: as
-    JSON `uint8[]` by a third, `float64[]` two and a half times, `bool[]` six times, small messages
-    by their names.
+    It holds the sample first, then the encoded message, then the frame, once a subscription took it
+    that shares frames. The message and the frame of a large sample are the same pieces. `size` is
+    always that of the sample, though the JSON may be larger. `uint8[]` grows by a third,
+    `float64[]` two and a half times, `bool[]` six times, and small messages by their names.
     """
 
     __slots__ = (
@@ -260,7 +259,7 @@ def make_encoding(
     on_error: Callable[[CodecError], None],
     resources: EncodingResources,
 ) -> Encoding:
-    """Return the encoding that a key asks for; *on_error* hears of samples that have no message."""
+    """Return the encoding that a key asks for. *on_error* hears of samples that have no message."""
     if key.fields == ():
         return Encoding(key, _nothing_of_it(key), on_error)
     match key.compression:
@@ -291,7 +290,7 @@ def make_encoding(
 
 
 def _nothing_of_it(key: EncodingKey) -> Encode:
-    """Decode nothing: whoever asks for no fields wants to know that samples come."""
+    """Decode nothing: a client that asks for no fields wants to know that samples come."""
     match key.compression:
         case "none":
             message = b"{}"

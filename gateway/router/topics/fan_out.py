@@ -8,11 +8,11 @@ from gateway.router.topics.subscription import Subscription
 
 
 def write_directly(entry: Entry, subscriptions: Sequence[Subscription]) -> Sequence[Subscription]:
-    """Write a sample to all who share its frame and can take it now; return the others.
+    """Write a sample to all who share its frame and can take it now. Return the others.
 
-    It is what `Subscription.offer` comes to where there is no throttle, nothing waits and the link
-    has room, without the calls, and it looks at few of the objects of a client: to find these in
-    memory is what a further one costs.
+    It does the same as `Subscription.offer` without a throttle, if nothing waits and the link has
+    room. It saves the calls and looks at few objects of a client, because finding these in memory
+    is the cost of a further client.
     """
     others: list[Subscription] = []
     frame: bytes | None = None

@@ -12,7 +12,7 @@ MAX_KEPT_BYTES: Final = 128 * 1024**2
 
 
 class KeptMessages:
-    """The newest large message of each encoding, within one budget; the oldest goes first."""
+    """The newest large message of each encoding, within one budget. The oldest goes first."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[object, tuple[Origin, Pieces]] = OrderedDict()
@@ -27,7 +27,7 @@ class KeptMessages:
         """Keep a message in place of the one that this encoding had."""
         self.forget(encoding)
         if len(message) > MAX_KEPT_BYTES or not origin[0]:
-            return  # it would be alone; or nothing marks its sample
+            return  # it would be alone. Or nothing marks its sample
         self._kept[encoding] = origin, message
         self._size += len(message)
         while self._size > MAX_KEPT_BYTES:

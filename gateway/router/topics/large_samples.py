@@ -46,7 +46,7 @@ class LargeSample(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class EncodingResources:
-    """All that encodings share; *workers* encode pictures."""
+    """All that encodings share. *workers* encode pictures."""
 
     workers: Executor
     slices: Slices = field(default_factory=Slices)
@@ -66,8 +66,8 @@ class EncodedTopic:
 class LargeSamples:
     """Encodes the large samples of one encoding, one at a time.
 
-    Who wants another one asks again after *on_ready* of the topic was called. Nothing is encoded
-    any more for a sample that nobody waits for. Messages of a latched topic are kept.
+    A caller that wants another one asks again after *on_ready* of the topic was called. A sample
+    that no subscription waits for is not encoded. Messages of a latched topic are kept.
     """
 
     def __init__(

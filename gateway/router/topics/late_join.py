@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The beginning of a subscription to a transient-local topic that others receive already.
 
-DDS alone knows what a late joiner gets: each publisher keeps as many samples as its depth says,
-which discovery does not tell, for as long as their lifespan and its own life last. So such a
-subscription begins with a ROS subscription of its own, and its topic takes over later.
+Only DDS knows which samples a late joiner gets. Each publisher keeps as many as its depth says,
+which discovery does not tell, until their lifespan or the publisher ends. So such a subscription
+begins with its own ROS subscription, and its topic takes over later.
 """
 
 import asyncio
@@ -15,23 +15,23 @@ from gateway.ports import LateReader, Origin, RosSubscription, Sample
 # Nothing more is expected of publishers that have been silent for so long: 8 MB, the map of a
 # large building, may take seconds over WiFi.
 QUIET_S: Final = 5.0
-# Of what has come to the topic and not here; the reader gets the oldest, too, or nobody does.
+# Of samples that came to the topic and not here. The reader also gets the oldest, or nobody does.
 MAX_AHEAD: Final = 256
 MAX_AHEAD_BYTES: Final = 8 * 1024**2
 MAX_HEARD: Final = 1024
 
 Offer = Callable[[Sample, int | None], None]
-"""Offers a sample to the subscription; the number is that on its topic, if it has come there."""
+"""Offers a sample to the subscription. The number is that on its topic, if it has come there."""
 
 
 class LateJoin:
-    """Feeds a subscription by a reader of its own, and then by its topic: each sample once.
+    """Feeds a subscription by its own reader, and then by its topic: each sample once.
 
     The topic asks by `passes` for each sample that comes to it.
     """
 
     def __init__(self, topic: RosSubscription, offer: Offer, on_end: Callable[[], None]) -> None:
-        """Open the reader; *on_end* is called when the topic alone feeds the subscription.
+        """Open the reader. *on_end* is called when the topic alone feeds the subscription.
 
         Raises:
             RosError: ROS refuses it.
@@ -41,7 +41,7 @@ class LateJoin:
         self._on_end = on_end
         self._ahead: dict[Origin, tuple[int, Sample]] = {}
         self._ahead_bytes = 0
-        # what has come here, and when; 0 once it has come to the topic, too: not kept, but new
+        # when samples came here, 0 once they also came to the topic: not kept, but new
         self._heard_s: dict[Origin, float] = {}
         self._loop = asyncio.get_running_loop()
         self._began_s = self._loop.time()
@@ -101,7 +101,7 @@ class LateJoin:
             self._on_end()
             return
         if self._is_complete(self._reader):
-            # what the topic gets is compared until the next look: it may be on its way to us both
+            # compare samples of the topic until the next look: they may be on their way to us both
             reader, self._reader = self._reader, None
             reader.close()
             for seq, sample in self._ahead.values():  # of publishers that did not reach the reader

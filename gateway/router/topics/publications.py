@@ -28,7 +28,7 @@ LARGE_CDR_BYTES: Final = 1024**2  # encoding and handing over take a turn each
 
 @dataclass(slots=True)
 class Advertised:
-    """One client's advertisements of one topic; they share a ROS publisher."""
+    """One client's advertisements of one topic. They share a ROS publisher."""
 
     request: Advertise  # the first one
     message_type: MessageType
@@ -50,7 +50,7 @@ class Advertised:
 class Publications:
     """Opens and closes ROS publishers as clients come and go, and publishes through them.
 
-    What concerns a command topic goes to `Commands`.
+    `Commands` carries out the operations on command topics.
     """
 
     def __init__(
@@ -134,7 +134,7 @@ class Publications:
                 del self._advertised[session]
 
     def publish(self, session: Session, request: Publish) -> None:
-        """Publish one message; advertise the topic first if the client has not.
+        """Publish one message. Advertise the topic first if the client has not.
 
         Raises:
             ProtocolError: the topic, its type or the message is wrong.
@@ -151,7 +151,7 @@ class Publications:
         elif request.type is not None:
             self._check_type(topic, known, request.type)
         if known.keeps_newest and session.is_behind:
-            # what comes next may withdraw the topic
+            # the next operation may withdraw the topic
             send = partial(self._send, session, topic, known, request, is_in_turn=True)
             session.defer(topic, request, send)
         else:
@@ -261,7 +261,7 @@ class Publications:
     def _send_later(
         self, session: Session, topic: TopicName, known: Advertised, cdr: bytes
     ) -> None:
-        """Send what has taken some time, unless the advertisement has ended meanwhile."""
+        """Send a message that has taken some time, unless the advertisement has ended."""
         if self._advertised.get(session, {}).get(topic) is known:
             known.send(cdr)
 

@@ -20,16 +20,15 @@ from gateway.protocol.session import Session
 from gateway.router.tasks import answered
 from gateway.router.topic_types import TopicTypes
 
-# of pictures as the gateway sends them, beside the fields of CompressedImage; pixels need neither
+# of pictures as the gateway sends them, next to the fields of CompressedImage, not needed here
 _OF_PICTURES: Final = frozenset({"width", "height", "depth_range_m"})
 
 
 class PublishedPictures:
-    """Has one picture decoded at a time, of the clients in turn: subscribers need the workers, too.
+    """Has one picture decoded at a time, of the clients in turn: subscribers also need the workers.
 
-    Meanwhile the newest picture of each topic waits, as long as those of a client are no longer
-    than one message may be; what is dropped is counted with the client's other messages that were
-    replaced by newer ones.
+    The newest picture of each topic waits, while all of a client fit in one message. Dropped
+    pictures are counted with the other messages that newer ones replaced.
     """
 
     def __init__(self, ros: Ros, types: TopicTypes, workers: Executor) -> None:
@@ -47,7 +46,7 @@ class PublishedPictures:
             ProtocolError: it is of neither images nor maps.
         """
         if message_type.name not in {IMAGE, GRID}:
-            text = f"image: {message_type.name} takes no pictures, only {IMAGE} and {GRID} do"
+            text = f"image: {message_type.name} is not a picture type, use {IMAGE} or {GRID}"
             raise ProtocolError("bad_request", text)
 
     def publish(
@@ -61,7 +60,7 @@ class PublishedPictures:
         """Call *send* with the CDR of the Image or map, as soon as there is one.
 
         Raises:
-            ProtocolError: the message is no CompressedImage, or no map with a PNG as its data.
+            ProtocolError: it is not a CompressedImage, or not a map with a PNG as its data.
         """
         is_map = message_type.name == GRID
         compressed_type = message_type if is_map else self._types.get(COMPRESSED_IMAGE)

@@ -20,7 +20,7 @@ def requested_picture(
     default_format: ImageFormat,
     step: Step,
 ) -> ImageOptions | None:
-    """Return how pictures are encoded; ``None`` for plain messages.
+    """Return how pictures are encoded. ``None`` for plain messages.
 
     *step* says how much smaller than asked for pictures that fit the link are.
 
@@ -35,25 +35,25 @@ def requested_picture(
 
 
 def why_plain(request: Subscribe, options: SubscriptionOptions, type_name: str) -> str:
-    """Say why a request for pictures brings plain messages; "" for one that asks for none.
+    """Say why a request for pictures brings plain messages. "" for one that asks for none.
 
     *options* are those of all requests, which bring plain messages of type *type_name*.
     """
     if request.image is None or not request.image.asks_for_picture or options.image.format == "raw":
         return ""
     if type_name not in {IMAGE, COMPRESSED_IMAGE, GRID}:
-        why = f"{type_name} has no pictures"
+        why = f"{type_name} cannot be sent as pictures"
     elif options.compression == "cbor-raw":
-        why = "cbor-raw has no pictures"
+        why = "cbor-raw cannot be sent as pictures"
     elif options.fields is not None:
-        why = "with fields there are no pictures"
+        why = "with fields, pictures are not available"
     else:
-        why = "raw is the format here unless another one is asked for"
-    return f"image: {why}; sending plain messages"
+        why = "the default format is raw, and image names no other"
+    return f"image: {why}, sending plain messages"
 
 
 def fits_link(options: SubscriptionOptions, image: ImageOptions) -> bool:
-    """Return whether pictures are made smaller for a slow link; what is lossless stays so."""
+    """Return whether pictures are made smaller for a slow link, which lossless ones are not."""
     return options.image.adapts and PICTURE_FORMATS[image.format].is_lossy
 
 
@@ -81,12 +81,12 @@ def _as_asked(
 
 
 def _grid_options(options: SubscriptionOptions) -> ImageOptions | None:
-    """Return how a map is encoded, with the values of its cells; ``None`` for a plain message."""
+    """Return how a map is encoded, with the values of its cells. ``None`` for a plain message."""
     image = options.image
     is_plain = image.format == "raw" or (image.format is None and not image.asks_for_picture)
     if is_plain or options.fields is not None or options.compression == "cbor-raw":
         return None
     if image.format != "png" or image.max_width is not None or image.max_height is not None:
-        text = 'image: a map comes as png, with all of its cells; ask for {"format":"png"} alone'
+        text = 'image: a map comes as png with all of its cells: use only {"format":"png"}'
         raise ProtocolError("bad_request", text)
     return ImageOptions("png")

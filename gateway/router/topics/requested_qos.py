@@ -10,16 +10,16 @@ from gateway.ports import BRIEF_LIFESPAN_NS, MAX_TAKES_PER_TURN, Qos
 from gateway.protocol.operations.topics import Advertise, Duration, QosRequest, SecsNsecs
 from gateway.protocol.subscription_options import SubscriptionOptions
 
-# What a publisher keeps of messages that may be large, such as pictures of 10 MB: DDS frees none of
-# that memory before the publisher ends.
+# The depth of a publisher of messages that may be large, such as pictures of 10 MB: DDS does not
+# free their memory before the publisher ends.
 LARGE_DEPTH: Final = 10
 
 
 def subscribed(options: SubscriptionOptions, message_type: MessageType) -> Qos:
     """Return the request of a subscription.
 
-    Where the depth is left open, DDS keeps so many small messages that a burst is complete; large
-    ones would fill the memory, and wait where a newer one should take their place.
+    If the depth is left open, DDS keeps so many small messages that a burst is complete. Large ones
+    would fill the memory, and they should make room for newer ones.
     """
     asked = requested(options.qos)
     if asked.depth is not None:
@@ -32,7 +32,7 @@ def subscribed(options: SubscriptionOptions, message_type: MessageType) -> Qos:
 
 
 def requested(request: QosRequest) -> Qos:
-    """Translate a `qos` object; members that are missing or best available are adopted."""
+    """Translate a `qos` object. Members that are missing or best available are adopted."""
     return Qos(
         reliability=None if request.reliability == "best_available" else request.reliability,
         durability=None if request.durability == "best_available" else request.durability,
@@ -54,7 +54,7 @@ def offered(request: Advertise, message_type: MessageType) -> Qos:
     asked = replace(asked, depth=asked.depth or request.queue_size or usual)
     lifespan_ns = asked.lifespan_ns or BRIEF_LIFESPAN_NS
     if asked.durability is None and lifespan_ns <= BRIEF_LIFESPAN_NS:
-        # Subscribers that ask for transient local match it, too, and nothing old reaches them.
+        # Subscribers that ask for transient local also match it, and nothing old reaches them.
         return replace(asked, durability="transient_local", lifespan_ns=lifespan_ns)
     return asked
 

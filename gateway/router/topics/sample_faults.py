@@ -36,5 +36,5 @@ class SampleFaults:
         return f"{text} ({unreported} more since the last warning)" if unreported else text
 
     def forget(self) -> None:
-        """Report every fault anew, as there is somebody who does not know."""
+        """Report every fault again, because there is a new subscriber."""
         self._reported.clear()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reports of topics that fall silent and are heard again, to the clients that ask for them.
 
-A publisher that is killed stays in the ROS graph for some 20 s, so only the age of the newest
+A publisher that is killed stays in the ROS graph for about 20 s, so only the age of the newest
 sample shows that it is gone.
 """
 
@@ -49,7 +49,7 @@ class SilenceWatch:
                 self._schedule()
 
     def forget(self, subscription: Subscription) -> None:
-        """Stop watching a subscription; others are ignored."""
+        """Stop watching a subscription. Others are ignored."""
         self._watched.pop(subscription, None)
         if not self._watched and self._timer is not None:
             self._timer.cancel()
@@ -80,7 +80,7 @@ class SilenceWatch:
         if watched.is_suspected:
             watched.is_stale = True
             _report(subscription, "stale", f"no message for {age_ns / 1e9:.1f} s")
-        # Only at the second look: if the event loop has stood still, what has come meanwhile is
+        # Only at the second look: if the event loop has stood still, the samples that came are
         # taken between the two.
         watched.is_suspected = True
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Long work on the event loop, a slice in each of its turns, so that all others have theirs.
 
-A thread would make them wait for longer: it holds the GIL for each slice, too, and who wants it
-back waits for up to 5 ms (`sys.getswitchinterval`).
+A thread would make them wait for longer: it also holds the GIL for each slice, and getting
+it back takes up to 5 ms (`sys.getswitchinterval`).
 """
 
 import asyncio
@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Final, Protocol
 
-# Of a turn of the event loop, a little more than one delivery of many samples takes; each other
+# Of a turn of the event loop, a little more than one delivery of many samples takes. Each other
 # client waits for so long at most.
 TURN_NS: Final = 500_000
 # Each holds a message three times as large as its sample. One alone would make a cloud wait until
@@ -23,11 +23,11 @@ class Job(Protocol):
     """Work in slices of much less than a turn."""
 
     def step(self) -> bool:
-        """Do a slice; return whether more is to be done. It does not raise."""
+        """Do a slice. Return whether more is to be done. It does not raise."""
 
 
 class Slices:
-    """The jobs that are under way, one slice of each at a time; they end with their loop."""
+    """The jobs that are under way, one slice of each at a time. They end with their loop."""
 
     def __init__(self, clock_ns: Callable[[], int] = time.monotonic_ns) -> None:
         self._clock_ns = clock_ns
@@ -36,7 +36,7 @@ class Slices:
         self._turn: asyncio.Handle | None = None
 
     def has_room(self, on_room: Callable[[], None]) -> bool:
-        """Return whether another job may begin; if not, *on_room* is called once it may."""
+        """Return whether another job may begin. If not, *on_room* is called once it may."""
         if len(self._jobs) < MAX_JOBS:
             return True
         self._waiting[on_room] = None

@@ -50,7 +50,7 @@ class Source(NamedTuple):
 class Subscription:
     """All of one client's `subscribe` requests for one topic, under one requested name.
 
-    Runs on the event loop's thread. The topic that feeds it offers it every sample; `source` says
+    Runs on the event loop's thread. The topic that feeds it offers it every sample. `source` says
     which that is, ``None`` while the type of the topic is not known.
     """
 
@@ -86,7 +86,7 @@ class Subscription:
         counts: TopicCounts,
         on_step: Callable[["Subscription"], None],
     ) -> None:
-        """Open its queue; *requests* stand by their ids, oldest first, and amount to *options*.
+        """Open its queue. *requests* stand by their ids, oldest first, and amount to *options*.
 
         *on_step* is called when its pictures are to have another size.
         """
@@ -137,7 +137,7 @@ class Subscription:
     def offer(
         self, entry: Entry, now_ns: int, *, more: bool, publisher: bytes | None = None
     ) -> bool:
-        """Take an entry, now or at the end of the throttle's interval; *more* follow at once.
+        """Take an entry, now or at the end of the throttle's interval. *more* follow at once.
 
         On a latched topic it stands for no entry of another *publisher*.
 
@@ -156,7 +156,7 @@ class Subscription:
     def change(
         self, requests: Mapping[str | int | None, Subscribe], options: SubscriptionOptions
     ) -> None:
-        """Go on with other requests; entries that wait are still delivered.
+        """Go on with other requests. Entries that wait are still delivered.
 
         Another throttle begins at once: what the former one holds passes.
         """

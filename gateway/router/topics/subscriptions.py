@@ -137,7 +137,9 @@ class Subscriptions:
             hint = _topic_meant(name, self._ros.graph(), session)
             raise ProtocolError("not_found", f"topic {name} is not known{hint}")
         if message_type.name not in {IMAGE, COMPRESSED_IMAGE}:
-            text = f"topic {name} is {message_type.name}; pictures are {IMAGE} or CompressedImage"
+            text = (
+                f"topic {name} is {message_type.name}, but pictures are {IMAGE} or CompressedImage"
+            )
             raise ProtocolError("bad_type", text)
         self.subscribe(session, request)
 
@@ -218,7 +220,7 @@ class Subscriptions:
         options: SubscriptionOptions,
         step: Step,
     ) -> Source | None:
-        """Return what feeds a subscription with these options; ``None``: the type is not known.
+        """Return what feeds a subscription with these options. ``None``: the type is not known.
 
         *step* says how much smaller than asked for pictures that fit the link are.
         """
@@ -260,7 +262,7 @@ class Subscriptions:
             subscription.requests = requests
             if str(error) != subscription.last_refusal:
                 subscription.last_refusal = str(error)
-                text = f"{error}; waiting for {subscription.topic_name} to change"
+                text = f"{error}, waiting for {subscription.topic_name} to change"
                 subscription.warn(ProtocolError(error.code, text))
 
     def _apply(
@@ -302,7 +304,7 @@ class Subscriptions:
             self._reapply(subscription, subscription.requests)
 
     def _open(self, key: TopicKey) -> None:
-        """Open a topic unless it is open; it is closed with its last subscription."""
+        """Open a topic unless it is open. It is closed with its last subscription."""
         if key not in self._topics:
             message_type = self._types.get(key.type_name)
             counts = self._counts.open(key.name)
@@ -342,14 +344,14 @@ class Subscriptions:
         session, name = subscription.session, subscription.topic_name
         if compression(request) == "none" and request.compression not in _NO_COMPRESSION:
             unknown = truncate(request.compression or "")
-            text = f"compression: {unknown!r} is not available; sending plain JSON"
+            text = f"compression: {unknown!r} is not available, sending plain JSON"
             session.warn(ProtocolError("bad_request", text), request.op, request.id)
         if asked is not None:
-            text = f"topic {name}: {asked.question}; waiting for it"
+            text = f"topic {name}: {asked.question}, waiting for it"
             session.inform(text, request.op, request.id)
         elif source is None:
             hint = _topic_meant(name, self._ros.graph(), session)
-            text = f"topic {name} is not known yet{hint}; waiting for it"
+            text = f"topic {name} is not known yet, waiting for it{hint}"
             session.warn(ProtocolError("not_found", text), request.op, request.id)
         else:
             type_name = source.topic.type_name
@@ -361,12 +363,12 @@ class Subscriptions:
 
 
 def _with_bounded_queue(request: Subscribe, session: Session) -> Subscribe:
-    """Return a request whose `queue_length` is allowed; warn the client of a longer one."""
+    """Return a request whose `queue_length` is allowed. Warn the client of a longer one."""
     longest = session.limits.max_queue_length
     if request.queue_length is None or request.queue_length <= longest:
         return request
     text = f"queue_length: {request.queue_length} is longer than allowed, {longest} messages wait"
-    warning = ProtocolError("limit_exceeded", f"{text}; for more, raise limits.max_queue_length")
+    warning = ProtocolError("limit_exceeded", f"{text}: for more, raise limits.max_queue_length")
     session.warn(warning, request.op, request.id)
     return request.model_copy(update={"queue_length": longest})
 
@@ -380,7 +382,7 @@ def _check_fields(
     except FieldError as error:
         raise ProtocolError("bad_request", f"fields: {truncate(str(error))}") from error
     if fields is not None and asked == "cbor-raw":
-        text = "fields: cbor-raw is CDR untouched; choose cbor for some fields of it"
+        text = "fields: cbor-raw sends whole messages, use cbor to select fields"
         raise ProtocolError("bad_request", text)
 
 

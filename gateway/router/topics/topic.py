@@ -46,7 +46,7 @@ class Topic:
         counts: TopicCounts,
         report: Callable[[TopicEvent], None],
     ) -> None:
-        """Open the ROS subscription; *report* hears of what happens on it.
+        """Open the ROS subscription. *report* hears of what happens on it.
 
         Raises:
             RosError: ROS refuses it.
@@ -77,7 +77,7 @@ class Topic:
 
     @property
     def heard_ns(self) -> int:
-        """The time of the newest sample, by the monotonic clock; 0 if none has come."""
+        """The time of the newest sample, by the monotonic clock. 0 if none has come."""
         return self._received[-1][0] if self._received else 0
 
     def add(self, subscription: Subscription, key: EncodingKey) -> None:
@@ -117,7 +117,7 @@ class Topic:
             self._join_late(subscription)
 
     def welcome_again(self, subscription: Subscription) -> None:
-        """Give retained samples to a subscription that somebody else of its client asks for, too.
+        """Give retained samples to a subscription again, for another request of its client.
 
         rosbridge does so for each `subscribe`: its libraries have a second listener of a topic send
         one, and rely on it.
@@ -134,7 +134,7 @@ class Topic:
         self._ros_subscription.close()
 
     def rate_hz(self, now_ns: int) -> float:
-        """Return how often samples arrive; 0 once they have ceased."""
+        """Return how often samples arrive. 0 once they have ceased."""
         if len(self._received) < 2:  # one time has no rate
             return 0.0
         (first_ns, first), (last_ns, last) = self._received[0], self._received[-1]
@@ -226,7 +226,9 @@ class Topic:
                 partial(self._end_late_join, subscription),
             )
         except RosError as error:
-            text = f"{error}; what {self.key.name} has kept for late subscribers will not come"
+            text = (
+                f"{error}, so messages that {self.key.name} keeps for late subscribers are missing"
+            )
             subscription.warn(ProtocolError(error.code, text))
         else:
             subscription.set_late(is_late=True)
@@ -236,7 +238,7 @@ class Topic:
         return join is None or join.passes(seq, sample)
 
     def _offer_late(self, subscription: Subscription, sample: Sample, seq: int | None) -> None:
-        """Offer a sample to a late subscription; retained ones have the number of the newest."""
+        """Offer a sample to a late subscription. Retained ones have the number of the newest."""
         if subscription.source is None:
             return
         encoding = self._encodings[subscription.source.encoding]
@@ -261,7 +263,7 @@ class Topic:
                 subscription.warn(warning(event, subscription.session))
 
     def _on_codec_error(self, key: EncodingKey, error: CodecError) -> None:
-        """Warn those who get no sample, as it cannot be encoded for them; within bounds."""
+        """Warn those who get no sample, as it cannot be encoded for them. Within bounds."""
         if key not in self._encodings:
             return  # a worker has ended too late
         text = self._faults[key].note(f"{self.key.name}: {error}", time.monotonic_ns())

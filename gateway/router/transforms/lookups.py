@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lookups of transforms, for clients that keep no transform tree of their own."""
+"""Lookups of transforms, for clients without their own transform tree."""
 
 import asyncio
 from dataclasses import dataclass
@@ -39,11 +39,11 @@ class TransformLookups:
         return sum(map(len, self._periodic.values()))
 
     async def lookup(self, request: LookupTransform) -> dict[str, Any]:
-        """Wait until a transform is known; return the members of the answer.
+        """Wait until a transform is known. Return the members of the answer.
 
         Raises:
-            ProtocolError: ``not_found``: a frame is unknown, or they are not connected;
-                ``timeout``: the requested time has not come; ``bad_type``: tf2_msgs is missing.
+            ProtocolError: ``not_found``: a frame is unknown, or they are not connected.
+                ``timeout``: the requested time has not come. ``bad_type``: tf2_msgs is missing.
             RosError: ROS refuses the subscriptions.
         """
         listener = self._listener
@@ -61,16 +61,18 @@ class TransformLookups:
             listener.release()
 
     def watch(self, session: Session, request: LookupTransform) -> None:
-        """Send a transform periodically; replace the periodic lookup with the same id.
+        """Send a transform periodically. Replace the periodic lookup with the same id.
 
         Raises:
             ProtocolError: it is refused, and nothing has changed.
             RosError: ROS refuses the subscriptions.
         """
         if request.time is not None:
-            raise ProtocolError("bad_request", "time: a repeated one takes the newest")
+            raise ProtocolError(
+                "bad_request", "time: not allowed with rate, which sends the newest"
+            )
         if request.rate is None:
-            raise ProtocolError("bad_request", "rate: missing; it makes a lookup a repeated one")
+            raise ProtocolError("bad_request", "rate: missing, add it to repeat the lookup")
         own = self._periodic.get(session, {})
         limit = session.limits.max_transforms
         if request.id not in own and len(own) >= limit:
@@ -122,7 +124,7 @@ class TransformLookups:
 
 
 class _Pair(NamedTuple):
-    """The frames of a lookup and its rate; periodic lookups with equal ones are computed once."""
+    """The frames of a lookup and its rate. Periodic lookups with equal ones are computed once."""
 
     target: str
     source: str
@@ -188,7 +190,7 @@ class _SharedLookup:
             self._miss(periodic)
 
     def leave(self, periodic: _PeriodicLookup) -> bool:
-        """Remove a lookup; return whether none is left."""
+        """Remove a lookup. Return whether none is left."""
         self._lookups.remove(periodic)
         periodic.stop_waiting()
         if not self._lookups:
@@ -235,7 +237,7 @@ class _SharedLookup:
             self._buffer.lookup(self._pair.target, self._pair.source)
         except TransformError as error:
             reason = refusal(error)
-            waiting = ProtocolError(reason.code, f"{reason}; waiting for it")
+            waiting = ProtocolError(reason.code, f"still waiting: {reason}")
             periodic.session.warn(waiting, periodic.request.op, periodic.request.id)
 
 

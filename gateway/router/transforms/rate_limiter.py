@@ -35,6 +35,6 @@ class RateLimiter:
 
     def _take_turn(self) -> None:
         self._timer = None
-        # keep the period; begin a new one if the loop has been busy for longer than that
+        # keep the period. Begin a new one if the loop has been busy for longer than that
         self._due_s = max(self._due_s + self._period_s, self._loop.time())
         self._turn()

@@ -23,7 +23,7 @@ from gateway.tf.rigid import Rigid
 # While none of its frames is known, so that a slow array begins as soon as others do.
 RETRY_S: Final = 0.1
 WARN_AFTER_S: Final = 1.0  # a first lookup has to discover the publishers
-_MAX_REASONS: Final = 8  # that are looked for; the first of them is told
+_MAX_REASONS: Final = 8  # that are looked for, the first of them is reported
 # A lookup takes 2 to 300 us, by the depth of the tree and by the ages of its transforms. After a
 # slice others have their turn, as after one of what a client sends.
 SLICE_S: Final = 0.004
@@ -31,7 +31,7 @@ PAUSE_S: Final = 0.02  # between questions whether a client has time left to spe
 
 
 class ArrayKey(NamedTuple):
-    """The array that a client asks for; those with equal keys are computed once."""
+    """The array that a client asks for. Those with equal keys are computed once."""
 
     target: str
     sources: tuple[str, ...]
@@ -41,7 +41,7 @@ class ArrayKey(NamedTuple):
 
     @classmethod
     def of(cls, request: RepublishRequest) -> "ArrayKey":
-        """Return the key of a request; as in tf2_web_republisher, a leading slash is dropped."""
+        """Return the key of a request. As in tf2_web_republisher, a leading slash is dropped."""
         sources = dict.fromkeys(name.removeprefix("/") for name in request.source_frames)
         return cls(
             request.target_frame.removeprefix("/"),
@@ -56,12 +56,12 @@ class ArrayKey(NamedTuple):
 class Republication:
     """One array that a client has asked for.
 
-    *wrap* makes the bytes for the wire of the JSON of an array; no bytes if nobody wants any.
+    *wrap* makes the bytes for the wire of the JSON of an array. No bytes if nobody wants any.
     """
 
     session: Session
     key: ArrayKey
-    op: str  # of the request, which warnings name; the request itself may be large
+    op: str  # of the request, which warnings name. The request itself may be large
     request_id: str | int | None
     wrap: Callable[[bytes], bytes]
     queue: Queue
@@ -120,10 +120,10 @@ class Republications:
         operation: ClientOperation,
         wrap: Callable[[bytes], bytes],
     ) -> Republication:
-        """Add an array; nothing is sent until it begins.
+        """Add an array. Nothing is sent until it begins.
 
         Raises:
-            ProtocolError: the client has too many, or tf2_msgs is missing; nothing has changed.
+            ProtocolError: the client has too many, or tf2_msgs is missing. Nothing has changed.
             RosError: ROS refuses the subscriptions.
         """
         own = self._own.get(session, set())
@@ -131,7 +131,7 @@ class Republications:
         if len(own) >= limit:
             raise over_limit(limit, "arrays of transforms per client", "max_transforms")
         self._listener.acquire()
-        queue = session.outbox.open_queue(1, None)  # what waits is replaced by more
+        queue = session.outbox.open_queue(1, None)  # a newer array replaces one that waits
         key = ArrayKey.of(request)
         added = Republication(session, key, operation.op, operation.id, wrap, queue)
         self._own.setdefault(session, own).add(added)
@@ -262,7 +262,7 @@ class _SharedArray:
         self._work()
 
     def _work(self) -> None:
-        """Look up as many frames as a slice allows; after the last one, send what has moved."""
+        """Look up as many frames as a slice allows. After the last one, send what has moved."""
         self._next_slice = None
         loop = asyncio.get_running_loop()
         if not self._spend(0.0):
@@ -279,7 +279,7 @@ class _SharedArray:
         self._spend(time.monotonic() - start_s)
 
     def _spend(self, spent_s: float) -> bool:
-        """Take time from the clients; return whether any of them has some left."""
+        """Take time from the clients. Return whether any of them has some left."""
         now_s = time.monotonic()
         share_s = spent_s / max(1, len(self.members))
         left = [member.session.spend(share_s, now_s) for member in self.members]

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """tf2_web_republisher, answered by the gateway itself.
 
-The clients of roslib and roslibpy that follow transforms ask that node for them, in three ways: by
-a ROS 2 action, by a service that answers with a topic, and by the topics of an action of ROS 1. To
-a client it looks as if the node were there; in the ROS graph there is nothing. Each way gives way
-to a node that provides it.
+Clients of roslib and roslibpy that follow transforms ask that node for them. They do so in three
+ways: by a ROS 2 action, by a service that answers with a topic, and by the topics of an action of
+ROS 1. To a client it looks as if the node were there, but the ROS graph has nothing of it. If a
+node provides one of them, the gateway leaves it to that node.
 """
 
 from collections.abc import Callable, Mapping

@@ -25,7 +25,7 @@ _TYPE: Final = "TFSubscription"
 
 
 class _Goal(NamedTuple):
-    """A goal under way; its request, which may be large, is not kept."""
+    """A goal under way. Its request, which may be large, is not kept."""
 
     action: str  # as requested
     fragment_size: int | None
@@ -61,11 +61,13 @@ class RepublisherAction:
             text = f"action {ACTION} has type tf2_web_republisher_msgs/action/{_TYPE}"
             raise ProtocolError("type_conflict", f"{text}, not {truncate(asked)}")
         if not request.feedback:
-            text = "feedback: the transforms come as feedback; ask for it by true"
+            text = "feedback: expected true, because the transforms come as feedback"
             raise ProtocolError("bad_request", text)
         own = self._goals.get(session, {})
         if request.id in own:
-            raise ProtocolError("bad_request", f"id: {request.id!r} is a goal under way already")
+            raise ProtocolError(
+                "bad_request", f"id: {request.id!r} is already in use by an unfinished goal"
+            )
         goal = parse(RepublishRequest, request.args, "args")
         wrap = partial(_feedback, session, request.action, request.id, request.fragment_size)
         added = self._republications.add(session, goal, request, wrap)

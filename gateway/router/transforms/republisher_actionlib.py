@@ -71,7 +71,7 @@ class RepublisherActionlib:
                 work = partial(self._subscribe, session, operation)
             case Unsubscribe(topic=name) if name in _FEEDBACKS and session in self._own:
                 return partial(self._unsubscribe, session, operation)
-        # what has begun here goes on here
+        # a goal that began here goes on here
         is_ours = work is not None and (session in self._own or not self._ros.topic_types(_GOAL))
         return work if is_ours else None
 
@@ -88,7 +88,7 @@ class RepublisherActionlib:
         asked = parse(RepublishRequest, message.goal, "msg.goal")
         own = self._of(session)
         if goal_id in own.goals:
-            text = f"msg.goal_id.id: {goal_id!r} is a goal under way already"
+            text = f"msg.goal_id.id: {goal_id!r} is already in use by an unfinished goal"
             raise ProtocolError("bad_request", text)
         wrap = partial(self._feedback, own.feedback, goal_id)
         goal = own.goals[goal_id] = self._republications.add(session, asked, request, wrap)

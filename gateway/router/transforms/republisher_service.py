@@ -23,8 +23,8 @@ from gateway.router.transforms.virtual_topic import VirtualTopic
 SERVICE: Final = "/republish_tfs"
 _NAMES: Final = (SERVICE, SERVICE[1:])
 _TYPE: Final = "tf2_web_republisher_msgs/msg/TFArray"
-# And something that no other topic has ever had: roslib subscribes again to what it had when its
-# connection was lost, and must not get what is meant for another of its clients.
+# And a token that no other topic has ever had. After a lost connection, roslib subscribes again to
+# its topics, and must not get the array of another client.
 _TOPIC: Final = "/tf2_web_republisher/tf_repub_"
 _TOKEN_BYTES: Final = 8
 
@@ -86,7 +86,9 @@ class RepublisherService:
         name = _resolved(request.topic)
         array = self._own.get(session, {}).get(name)
         if array is None:
-            text = f"no topic {name}, or no more; call {SERVICE}, and subscribe within its timeout"
+            text = (
+                f"topic {name} does not exist: call {SERVICE} for a new one, and subscribe in time"
+            )
             raise ProtocolError("not_found", text)
         array.topic.subscribe(request)
         array.expiry.cancel()

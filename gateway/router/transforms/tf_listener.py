@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A buffer of ``/tf`` and ``/tf_static``, filled as long as somebody needs it."""
+"""A buffer of ``/tf`` and ``/tf_static``, filled as long as a lookup needs it."""
 
 import asyncio
 import contextlib
@@ -19,8 +19,8 @@ from gateway.tf.buffer import Buffer
 from gateway.tf.errors import InvalidTransformError
 from gateway.tf.rigid import Rigid
 
-# After the last lookup. A client that asks every few seconds, or reconnects, finds the buffer full;
-# meanwhile the unused subscriptions cost some percent of a core at the usual 50 Hz.
+# After the last lookup. A client that asks every few seconds, or reconnects, finds the buffer full.
+# The unused subscriptions cost a few percent of a core at the usual 50 Hz.
 LINGER_S: Final = 30.0
 _DEPTH: Final = 100  # as in tf2's listeners
 RETRY_S: Final = 0.02  # between attempts of a waiting lookup: /tf may come in many small messages
@@ -41,7 +41,7 @@ class TfListener:
         self._open: list[RosSubscription | Watch] = []
         self._users = 0
         self._end: asyncio.TimerHandle | None = None
-        self._news: asyncio.Event | None = None  # while somebody waits for it
+        self._news: asyncio.Event | None = None  # while a lookup waits for it
         self._warned: dict[str, set[str]] = {}  # by kind of fault, the subjects warned about
 
     def follow(self, on_change: Callable[[], None]) -> None:
@@ -80,7 +80,7 @@ class TfListener:
         self._warned.clear()
 
     async def news(self, deadline: float) -> bool:
-        """Wait for new transforms until *deadline*, in loop time; return false if it had passed."""
+        """Wait for new transforms until *deadline*, in loop time. Return false if it had passed."""
         if asyncio.get_running_loop().time() >= deadline:
             return False
         if self._news is None:
@@ -96,7 +96,7 @@ class TfListener:
             message_type = self._types.get(TF_MESSAGE)
         except ProtocolError as error:
             raise ProtocolError(error.code, f"transforms need package tf2_msgs: {error}") from error
-        # tf2's own listeners insist on transient local, too: static frames are published only once
+        # like tf2's own listeners, it needs transient local: static frames are published only once
         latched = Qos(durability="transient_local", depth=_DEPTH)
         for topic, qos, is_static in (
             ("/tf", Qos(depth=_DEPTH), False),
@@ -156,7 +156,9 @@ class TfListener:
             self._warn(error.fault, error.frame, str(error))
             return
         if not agrees:
-            text = f"frame {child!r}: it is said to be fixed and to move, so it moves"
+            text = (
+                f"frame {child!r}: it is published as static and as moving, so it counts as moving"
+            )
             self._warn("contradiction", child, text)
 
     def _on_event(self, event: TopicEvent) -> None:

@@ -8,7 +8,7 @@ from gateway.protocol.errors import NothingThereError, ProtocolError, over_limit
 from gateway.protocol.operations.topics import Subscribe, Unsubscribe
 from gateway.protocol.session import Session
 
-# options of `subscribe` for which there is nothing here, beside `compression`
+# options of `subscribe` that are not available here, in addition to `compression`
 _UNAVAILABLE: Final = (
     "throttle_rate",
     "queue_length",
@@ -27,7 +27,7 @@ class VirtualTopic:
         self._session = session
         self._name = name
         self._type_name = type_name
-        # the fragment size of each; a whole request may be large
+        # the fragment size of each. A whole request may be large
         self._requests: dict[str, dict[str | int | None, int | None]] = {}
 
     def __bool__(self) -> bool:
@@ -38,7 +38,7 @@ class VirtualTopic:
         """Add a request, or replace the one with the same id.
 
         Raises:
-            ProtocolError: there are too many; nothing has changed.
+            ProtocolError: there are too many. Nothing has changed.
         """
         session = self._session
         own = self._requests.get(request.topic, {})
@@ -47,7 +47,7 @@ class VirtualTopic:
             raise over_limit(limit, "subscriptions per client", "max_subscriptions")
         self._requests.setdefault(request.topic, own)[request.id] = request.fragment_size
         if ignored := _ignored(request):
-            text = f"{', '.join(ignored)}: not available on {self._name}; sending plain JSON"
+            text = f"{', '.join(ignored)}: not available on {self._name}, sending plain JSON"
             session.warn(ProtocolError("bad_request", text), request.op, request.id)
         session.inform(f"subscribed to {self._name} ({self._type_name})", request.op, request.id)
 

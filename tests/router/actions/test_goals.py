@@ -153,7 +153,7 @@ async def test_a_goal_whose_server_dies_is_answered(bench: Bench) -> None:
     ("goal", "words"),
     [
         ({"action": "/fob"}, "action /fob does not exist; did you mean /fib?"),
-        ({"action": "/a b"}, "is no action name"),
+        ({"action": "/a b"}, "is not a valid action name"),
         (
             {"action": "/fib", "action_type": "test_msgs/NestedMessage"},
             "not test_msgs/action/N",

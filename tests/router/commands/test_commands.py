@@ -848,7 +848,7 @@ async def test_a_viewer_stops_a_robot_but_takes_no_control(scene: Scene):
     assert viewer.statuses == [
         (
             "forbidden",
-            "publishing on /cmd_vel takes role operator or admin, and this client is viewer",
+            "publishing on /cmd_vel requires role operator or admin, and this client is viewer",
         )
     ]
     viewer.send(op="stop", id=2)

@@ -145,7 +145,9 @@ async def test_who_waits_too_long_for_others_is_told(bench: Bench, monkeypatch):
     await second.sees(1, "status")
     go_on.set()
     await first.sees(1, "generate")
-    assert second.statuses == [("limit_exceeded", "others ask for clients' code, too: ask again")]
+    assert second.statuses == [
+        ("limit_exceeded", "other clients are waiting for code too long: try again")
+    ]
 
 
 async def test_many_types_are_counted_in_each_file_and_not_named(bench: Bench):

@@ -42,7 +42,7 @@ async def test_other_text_is_refused_with_the_way_to_help(bench: Bench):
     for text in (b"hullo", b"subscribe /odom", b"", b"help" + b" " * 20):  # it is short
         client.send_raw(text)
     assert [code for code, _ in client.statuses] == ["bad_json"] * 4
-    assert all(message.endswith("; send help for lines to try") for _, message in client.statuses)
+    assert all(message.endswith(": send help to see examples") for _, message in client.statuses)
     client.send_raw(b'{"op":')
     assert "help" not in client.statuses[-1][1]
 

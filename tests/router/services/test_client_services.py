@@ -95,7 +95,7 @@ async def test_a_failure_with_values_passes_them_on_with_a_warning(bench: Bench)
     values = {"success": True, "message": "x"}
     client.send(op="service_response", id=frame["id"], service="arm", values=values, result=False)
     assert await response == values
-    assert "no way to fail" in client.of("status")[0]["msg"]
+    assert "cannot fail" in client.of("status")[0]["msg"]
 
 
 async def test_values_that_do_not_fit_are_refused_and_fail_the_call(bench: Bench) -> None:
@@ -319,7 +319,7 @@ async def test_a_service_that_a_node_provides_gets_a_warning_and_is_provided(ben
     client.send(op="advertise_service", id=1, service="arm", type=SET_BOOL)
     (warning,) = client.frames
     assert (warning["level"], warning["code"], warning["id"]) == ("warning", "already_provided", 1)
-    assert warning["msg"].startswith("service /arm is provided by /robot, too: ")
+    assert warning["msg"].startswith("/robot also provides service /arm, ")
     assert bench.router.counts()["services"] == 1
 
 

@@ -102,8 +102,8 @@ async def test_rosapi_takes_any_type(bench: Bench, form: str) -> None:
     ("call", "words"),
     [
         ({"service": "/amr"}, "service /amr does not exist; did you mean /arm?"),
-        ({"service": "/a b"}, "is no service name"),
-        ({"service": "/arm#c1"}, "is no service name"),
+        ({"service": "/a b"}, "is not a valid service name"),
+        ({"service": "/arm#c1"}, "is not a valid service name"),
         ({"service": "/arm", "args": {"data": "yes"}}, "args.data: expected true or false, got"),
         ({"service": "/arm", "args": {"dta": True}}, "args.dta: unknown field"),
         ({"service": "/arm", "args": [True, False]}, "args: expected at most 1 element, got 2"),
@@ -192,7 +192,7 @@ async def test_a_client_cannot_let_calls_wait_without_end(bench: Bench) -> None:
         client.send(op="call_service", id=number, service="/arm")
     (frame,) = await client.sees(1, "service_response")
     assert frame["id"] == LIMITS.max_pending_calls + MAX_WAITING_CALLS
-    assert "calls under way per client" in frame["values"]
+    assert "unfinished calls per client" in frame["values"]
 
 
 async def test_a_client_that_leaves_takes_its_calls_along(bench: Bench) -> None:

@@ -157,7 +157,7 @@ async def test_fields_of_cbor_raw_are_refused(bench: Bench):
     client = bench.client()
     client.send(op="subscribe", topic="/t", compression="cbor-raw", fields=["data"])
     assert client.statuses == [
-        ("bad_request", "fields: cbor-raw is CDR untouched; choose cbor for some fields of it")
+        ("bad_request", "fields: cbor-raw sends whole messages, use cbor to select fields")
     ]
     assert bench.ros.entity_count() == 0
 
@@ -370,6 +370,6 @@ async def test_a_map_as_a_picture_keeps_its_cells(bench: Bench, image: dict[str,
     bench.ros.add_publisher("/t", GRID)
     client = bench.client()
     client.send(op="subscribe", topic="/t", image=image)
-    text = 'image: a map comes as png, with all of its cells; ask for {"format":"png"} alone'
+    text = 'image: a map comes as png with all of its cells: use only {"format":"png"}'
     assert client.statuses == [("bad_request", text)]
     assert bench.ros.entity_count() == 0

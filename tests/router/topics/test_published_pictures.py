@@ -164,14 +164,14 @@ async def test_only_images_are_made_of_pictures(bench: Bench):
     client = bench.client()
     client.send(op="advertise", topic="/cmd_vel", type=TWIST, image={"format": "jpeg"})
     assert client.statuses == [
-        ("bad_request", f"image: {TWIST} takes no pictures, only {IMAGE} and {GRID} do")
+        ("bad_request", f"image: {TWIST} is not a picture type, use {IMAGE} or {GRID}")
     ]
     client = bench.client()
     client.send(op="advertise", topic="/a", type="std_msgs/String", image={"format": "jpeg"})
     client.send(op="advertise", topic="/b", type=IMAGE, image={"format": "gif"})
     client.send(op="advertise", topic="/b", type=IMAGE, image={})
     of_string, gif, missing = client.statuses
-    text = f"image: std_msgs/msg/String takes no pictures, only {IMAGE} and {GRID} do"
+    text = f"image: std_msgs/msg/String is not a picture type, use {IMAGE} or {GRID}"
     assert of_string == ("bad_request", text)
     assert gif[0] == "bad_request"
     assert gif[1].startswith("image.format: expected 'jpeg', ")

@@ -162,12 +162,12 @@ async def test_who_asks_for_pictures_in_vain_is_told_why(bench: Bench):
             client.send(op="subscribe", **each)
         statuses += client.statuses
     assert statuses == [
-        ("bad_request", f"image: {why}; sending plain messages")
+        ("bad_request", f"image: {why}, sending plain messages")
         for why in (
-            "nav_msgs/msg/Odometry has no pictures",
-            "with fields there are no pictures",
-            "raw is the format here unless another one is asked for",
-            "cbor-raw has no pictures",
+            "nav_msgs/msg/Odometry cannot be sent as pictures",
+            "with fields, pictures are not available",
+            "the default format is raw, and image names no other",
+            "cbor-raw cannot be sent as pictures",
         )
     ]
 

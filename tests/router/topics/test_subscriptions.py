@@ -102,7 +102,7 @@ async def test_a_topic_that_nobody_knows_is_waited_for_with_a_word(bench: Bench)
     client = bench.client()
     client.send(op="subscribe", topic="/odometri")
     assert client.statuses == [
-        ("not_found", "topic /odometri is not known yet; did you mean /odometry?; waiting for it")
+        ("not_found", "topic /odometri is not known yet, waiting for it; did you mean /odometry?")
     ]
     bench.ros.add_publisher("/odometri", STRING)
     await eventually(lambda: bench.ros.entity_count() == 1)
@@ -151,7 +151,7 @@ async def test_a_topic_that_ros_refuses_is_not_counted(
         ({"type": "no/Such"}, "bad_type", "no definition of no/msg/Such"),
         ({"type": "nonsense"}, "bad_type", "is no message type"),
         ({"type": 4711}, "bad_type", "no number 4711"),
-        ({"type": STRING, "topic": "/a b"}, "bad_name", "is no topic name"),
+        ({"type": STRING, "topic": "/a b"}, "bad_name", "is not a valid topic name"),
         ({"type": STRING, "fields": ["date"]}, "bad_request", "fields: "),
         ({"type": STRING, "qos": {"depth": 0}}, "bad_request", "qos.depth: expected at least 1"),
         ({"type": STRING, "qos": {"dept": 1}}, "bad_request", "qos.dept: unknown"),
@@ -204,7 +204,7 @@ async def test_a_queue_is_no_longer_than_its_limit(bench: Bench):
     (warning,) = client.of("status")
     assert (warning["level"], warning["code"]) == ("warning", "limit_exceeded")
     assert warning["msg"] == (
-        "queue_length: 1025 is longer than allowed, 1024 messages wait; for more, raise "
+        "queue_length: 1025 is longer than allowed, 1024 messages wait: for more, raise "
         "limits.max_queue_length"
     )
     assert {each.options.queue_length for each in bench.router._subscriptions._all()} == {1024}
@@ -224,7 +224,7 @@ async def test_what_a_subscription_names_comes_back_truncated(bench: Bench):
     client.send(op="subscribe", topic="/a", type=STRING, compression="x" * 200)
     client.send(op="subscribe", topic="/b", type=STRING, fields=["x" * 200])
     assert client.statuses == [
-        ("bad_request", f"compression: '{'x' * 125}...' is not available; sending plain JSON"),
+        ("bad_request", f"compression: '{'x' * 125}...' is not available, sending plain JSON"),
         ("bad_request", f"fields: unknown field {'x' * 111}..."),
     ]
 
@@ -444,7 +444,7 @@ async def test_a_subscription_that_is_replaced_has_the_newest_word(bench: Bench)
     ("options", "words"),
     [
         ({"fields": ["nonsense"]}, "fields: "),
-        ({"fields": ["data"], "compression": "cbor-raw"}, "cbor-raw is CDR untouched"),
+        ({"fields": ["data"], "compression": "cbor-raw"}, "cbor-raw sends whole messages"),
     ],
 )
 async def test_fields_are_checked_beside_a_subscription_to_everything(bench: Bench, options, words):
@@ -567,7 +567,7 @@ async def test_an_unknown_compression_is_a_warning_and_plain_json(bench: Bench):
     bench.ros.add_publisher("/chatter", STRING)
     client.send(op="subscribe", topic="/chatter", compression="zip")
     assert client.statuses == [
-        ("bad_request", "compression: 'zip' is not available; sending plain JSON")
+        ("bad_request", "compression: 'zip' is not available, sending plain JSON")
     ]
     assert client.of("status")[0]["level"] == "warning"
     bench.ros.publish("/chatter", bench.cdr(STRING, data="x"))

@@ -235,7 +235,7 @@ async def test_where_ros_refuses_the_late_join_the_client_is_told(
     late = join(latched)
     ((wire,),) = [late.session.outbox.take(1000)]
     (status,) = unpacked(wire)
-    assert status["msg"] == "no room; what /t has kept for late subscribers will not come"
+    assert status["msg"] == "no room, so messages that /t keeps for late subscribers are missing"
     ros.publish("/t", sample("d").cdr)
     heard = Heard(late)
     await eventually(lambda: heard.texts == ["d"])

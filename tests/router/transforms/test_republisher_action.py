@@ -84,12 +84,12 @@ async def test_feedback_comes_in_fragments_to_those_who_ask_for_them(
         ({"args": request(trans_thres=-1)}, "args.trans_thres: expected at least 0, got -1"),
         ({"args": request(angular_thres=-1)}, "args.angular_thres: expected at least 0, got -1"),
         ({"args": request(hz=3)}, "args.hz: unknown"),
-        ({"feedback": False}, "feedback: the transforms come as feedback; ask for it by true"),
+        ({"feedback": False}, "feedback: expected true, because the transforms come as feedback"),
         (
             {"action_type": "test_msgs/action/Fibonacci"},
             "action /tf2_web_republisher has type tf2_web_republisher_msgs/action/TFSubscription, ",
         ),
-        ({"id": "known"}, "id: 'known' is a goal under way already"),
+        ({"id": "known"}, "id: 'known' is already in use by an unfinished goal"),
     ],
 )
 async def test_a_goal_that_does_not_fit_is_refused_in_words(

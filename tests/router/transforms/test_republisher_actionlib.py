@@ -120,7 +120,7 @@ async def test_who_subscribes_after_the_goal_gets_all_frames(robot: Robot, clien
         ({"goal_id": {}, "goal": request(rate=900)}, "msg.goal.rate: expected at most 200, got"),
         ({"goal_id": {}, "goal": 7}, "msg.goal: expected an object"),
         (7, "msg: expected an object"),
-        ({"goal_id": {"id": "g"}, "goal": request()}, "msg.goal_id.id: 'g' is a goal under way"),
+        ({"goal_id": {"id": "g"}, "goal": request()}, "msg.goal_id.id: 'g' is already in use"),
     ],
 )
 async def test_a_goal_that_does_not_fit_is_refused_in_words(

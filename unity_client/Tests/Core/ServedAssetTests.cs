@@ -33,7 +33,7 @@ namespace Ros2Gateway.Tests
 
         [TestCase("package://gateway_tests/meshes/none.stl", "no such file")]
         [TestCase("package://nobody/meshes/strip.stl", "no package nobody")]
-        [TestCase("package://gateway_tests/../../strip.stl", "lead out of the package")]
+        [TestCase("package://gateway_tests/../../strip.stl", "not allowed in the path")]
         [TestCase("https://gateway_tests/strip.stl", "expected package://")]
         public void WhatIsNotServedFailsInTheGatewaysWords(string uri, string words)
         {
