@@ -40,6 +40,12 @@ def with_outputs(page: str, language: str) -> list[tuple[str, list[str]]]:
     return found
 
 
+def protocol_examples() -> list[str]:
+    """Return the conversations on the pages of the protocol, in which `> ` marks sent lines."""
+    pages = sorted((DOCS / "reference/protocol").glob("*.md"))
+    return [text for page in pages for text in texts(str(page.relative_to(DOCS)), "wscat")]
+
+
 def is_like(shown: str, line: str) -> bool:
     """Return whether a line is as the page shows it, where `...` stands for any text."""
     pattern = ".*".join(re.escape(part) for part in shown.split("..."))

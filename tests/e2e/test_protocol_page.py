@@ -11,9 +11,9 @@ import pytest
 
 from tests.client import Client, client
 from tests.demonstration import demonstration
-from tests.protocol_pages import examples
+from tests.doc_blocks import protocol_examples
 
-CONVERSATIONS = examples()
+CONVERSATIONS = protocol_examples()
 
 # At an example: on a busy machine nodes of ROS answer later than the page expects, and a name may
 # be too new to be suggested.
