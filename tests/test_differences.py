@@ -92,7 +92,7 @@ TESTS = {
     "**Images:**": [
         f"{SUBSCRIPTIONS}::test_an_image_comes_as_jpeg_in_the_shape_of_compressed_image",
         f"{SUBSCRIPTIONS}::test_raw_pixels_and_single_fields_of_an_image_come_when_asked_for",
-        f"{SUBSCRIPTIONS}::test_who_asks_for_no_format_gets_that_of_its_connection",
+        f"{SUBSCRIPTIONS}::test_the_default_format_is_that_of_the_connection",
     ],
     "**After a client leaves,**": [
         "clients/test_many.py::test_a_client_that_is_killed_leaves_nothing",

@@ -134,7 +134,7 @@ def test_compressed_depth_of_floats_is_the_inverse_of_the_distance():
         ("16UC1; compressedDepth png", bytes(12) + coded(colours()), "one channel of 16 bits"),
     ],
 )
-def test_what_is_no_picture_is_refused_in_words(format_name, data, words):
+def test_an_invalid_picture_is_refused_with_the_reason(format_name, data, words):
     with pytest.raises(ImageError, match=words):
         decompress(format_name, data)
 

@@ -10,7 +10,7 @@ from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.table import TypeNameError
 
 
-def test_what_is_not_installed_comes_with_the_nearest_name() -> None:
+def test_an_unknown_type_is_refused_with_the_nearest_name() -> None:
     definitions = InstalledDefinitions()
     with pytest.raises(UnknownTypeError) as caught:
         definitions.get("nav_msgs/msg/Odometri")
@@ -35,7 +35,7 @@ def test_the_guess_is_for_what_is_missing_not_for_what_nests_it(tmp_path: Path) 
     )
 
 
-def test_what_is_no_type_name_comes_with_the_type_that_was_meant() -> None:
+def test_an_invalid_type_name_is_refused_with_a_suggestion() -> None:
     error = TypeNameError("'twist' is no message type", "twist")
     assert str(bad_type(error, InstalledDefinitions())) == (
         "type: 'twist' is no message type; did you mean geometry_msgs/msg/Twist?"

@@ -70,7 +70,7 @@ def test_a_key_that_is_there_already_was_not_meant():
 @pytest.mark.parametrize(
     "key", ["uid", "ids", "ip", "tag", "queue_size", "latch", "label", "compresn"]
 )
-def test_a_key_of_others_is_no_misspelling(key):
+def test_a_key_of_other_libraries_is_not_a_misspelling(key):
     assert Dialect().note("subscribe", {"op": "subscribe", key: "x"}) == ""
 
 

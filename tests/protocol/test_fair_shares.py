@@ -14,7 +14,7 @@ LENGTH = 100
 ROOM = 256 * 1024
 LARGE_FRAME_BYTES = 4096
 LARGE_SHARE = 0.2
-FRESH_BYTES = 2000  # what a link of 50 kB/s drains of small messages in 50 ms
+FRESH_BYTES = 2000  # of small messages that a link of 50 kB/s drains in 50 ms
 
 
 @dataclass
@@ -84,7 +84,7 @@ def test_many_small_topics_leave_the_large_one_its_share():
     st.lists(st.integers(LARGE_FRAME_BYTES + 1, 60_000), max_size=3),
     st.integers(1, 2000),  # five of the smallest: all topics have so much to send
 )
-def test_whoever_always_has_something_to_send_gets_its_share(small, large, chunk):
+def test_a_busy_queue_gets_its_share(small, large, chunk):
     topics = Topics(*small, *large)
     topics.send(10 * (sum(small) + sum(large)), chunk)
     got = [topics.got[topic] for topic in range(len(topics.sizes))]
@@ -118,7 +118,7 @@ def test_a_small_topic_that_has_less_to_send_than_its_share_waits_for_one_frame_
         outbox.take(1)
 
 
-def test_who_had_nothing_to_send_for_long_is_owed_nothing():
+def test_a_queue_that_was_idle_for_long_is_owed_nothing():
     topics = Topics(700, 700)
     queue = topics.queues.pop()
     topics.sizes = (700,)
@@ -149,7 +149,7 @@ def fresh(bytes_per_s: float, depth: int = LENGTH, room: int | None = ROOM) -> t
     return outbox, outbox.open_queue(depth, room)
 
 
-def test_what_a_slow_link_does_not_drain_in_a_moment_makes_room_for_newer_ones():
+def test_old_entries_on_a_slow_link_make_room_for_newer_ones():
     outbox, queue = fresh(50_000)
     for number in range(LENGTH):
         queue.put(message(0, number, 500))

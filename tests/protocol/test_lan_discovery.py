@@ -68,7 +68,7 @@ def test_no_answer_is_longer_than_a_question() -> None:
         {"name": "n" * 1100},
     ],
 )
-def test_what_is_no_answer_is_nothing(change: dict[str, object]) -> None:
+def test_other_datagrams_are_ignored(change: dict[str, object]) -> None:
     assert found(json.dumps(json.loads(answer(GATEWAY)) | change).encode()) is None
 
 

@@ -51,7 +51,7 @@ def read(model: type[BaseModel], values: dict[str, Any]) -> BaseModel:
 
 
 @pytest.mark.parametrize(("model", "name"), OPTIONAL)
-def test_what_may_be_left_out_may_be_null(model, name):
+def test_optional_fields_may_be_null(model, name):
     values = least(model)
     assert read(model, values | {name: None}) == read(model, values)
 
@@ -59,7 +59,7 @@ def test_what_may_be_left_out_may_be_null(model, name):
 @pytest.mark.parametrize(
     ("model", "name"), [(model, name) for model in MODELS for name in least(model) if name != "msg"]
 )
-def test_what_must_not_be_left_out_must_not_be_null(model, name):
+def test_required_fields_must_not_be_null(model, name):
     with pytest.raises(ValidationError) as caught:
         read(model, least(model) | {name: None})
     assert [(error["type"], error["loc"]) for error in caught.value.errors()] == [

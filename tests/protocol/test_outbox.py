@@ -61,7 +61,7 @@ def test_a_full_queue_drops_its_oldest_entry_and_counts_it():
     assert queue.dropped == outbox.dropped == 1
 
 
-def test_what_is_dropped_was_never_encoded():
+def test_dropped_entries_were_never_encoded():
     queue = Outbox(1000).open_queue(1, None)
     old = Item(b"old")
     queue.put(old)
@@ -127,7 +127,7 @@ def test_an_entry_that_is_not_ready_waits_without_holding_up_other_queues():
     assert outbox.take(EVERYTHING) == [b"picture", b"newer"]
 
 
-def test_what_cannot_be_encoded_is_counted_and_holds_up_nothing():
+def test_an_entry_that_cannot_be_encoded_is_counted_and_holds_up_nothing():
     outbox = Outbox(1000)
     queue = outbox.open_queue(10, None)
     for text in (b"", b"next"):
@@ -198,7 +198,7 @@ def test_closing_a_queue_forgets_what_waits_and_keeps_its_counts():
 
 
 class Socket:
-    """What entries are passed to; while it is busy it takes none."""
+    """A socket that entries are passed to. It takes none while it is busy."""
 
     def __init__(self, outbox: Outbox) -> None:
         self.written: list[bytes] = []
@@ -213,7 +213,7 @@ class Socket:
         return 0
 
 
-def test_what_comes_while_nothing_waits_goes_at_once_and_counts_as_sent():
+def test_an_entry_that_comes_while_nothing_waits_goes_at_once_and_counts_as_sent():
     outbox = Outbox(1000)
     socket = Socket(outbox)
     queue = outbox.open_queue(10, None)
@@ -235,7 +235,7 @@ def test_nothing_is_written_directly_past_what_waits():
     assert socket.written == [b"4"]
 
 
-def test_what_others_follow_waits_for_them():
+def test_an_entry_that_others_follow_waits_for_them():
     outbox = Outbox(1000)
     socket = Socket(outbox)
     queue = outbox.open_queue(10, None)
@@ -244,7 +244,7 @@ def test_what_others_follow_waits_for_them():
     assert (socket.written, outbox.take(EVERYTHING)) == ([], [b"1", b"2"])
 
 
-def test_what_is_not_ready_waits_in_its_queue():
+def test_an_entry_that_is_not_ready_waits_in_its_queue():
     outbox = Outbox(1000)
     socket = Socket(outbox)
     queue = outbox.open_queue(1, None)
@@ -313,7 +313,7 @@ def test_a_queue_keeps_the_newest(depth):
     assert outbox.take(EVERYTHING) == [b"%d" % number for number in range(20 - depth, 20)]
 
 
-def test_what_a_throttle_replaced_is_reported_also_of_closed_queues():
+def test_entries_that_a_throttle_replaced_are_also_counted_for_closed_queues():
     outbox = Outbox(1000)
     open_queue, closed_queue = outbox.open_queue(1, None), outbox.open_queue(1, None)
     open_queue.coalesced = 2

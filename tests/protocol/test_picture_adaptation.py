@@ -27,7 +27,7 @@ class Camera:
         self.changes = 0
 
     def send(self, bytes_per_s: float | None, count: int = 1, whole: int = WHOLE) -> int:
-        """Send pictures; return the size of the last one."""
+        """Send pictures. Return the size of the last one."""
         size = 0
         for _ in range(count):
             self.now_ns += PERIOD_NS
@@ -82,7 +82,7 @@ def test_a_larger_one_is_not_tried_without_room():
     assert camera.changes == 2
 
 
-def test_room_for_a_moment_is_no_reason():
+def test_room_for_a_moment_does_not_make_pictures_larger():
     camera = Camera()
     camera.send(50e3, 2)
     for _ in range(100):
@@ -91,13 +91,13 @@ def test_room_for_a_moment_is_no_reason():
     assert camera.changes == 1
 
 
-# the size of a picture by its quality, beside that of quality 80, and by its reduction
+# the size of a picture by its quality, relative to quality 80, and by its reduction
 BY_QUALITY = {95: 2.2, 90: 1.6, 80: 1.0, 65: 0.67, 60: 0.62, 50: 0.5, 40: 0.46, 30: 0.4, 20: 0.3}
 BY_REDUCTION = {1: 1.0, 2: 0.34, 4: 0.145, 8: 0.08}
 
 
 @pytest.mark.parametrize("asked", [20, 30, 40, 50, 60, 65, 80, 90, 95])
-def test_whatever_quality_is_asked_for_pictures_do_not_change_for_ever(asked: int):
+def test_pictures_of_any_quality_settle_on_a_step(asked: int):
     for bytes_per_s in range(20_000, 2_000_000, 5_000):
         adaptation = PictureAdaptation()
         late_changes = 0
@@ -148,7 +148,7 @@ def test_the_smallest_is_sent_on_however_slow_a_link():
 
 
 @given(st.lists(st.tuples(st.integers(1, 10**7), st.none() | st.floats(1, 1e9)), max_size=60))
-def test_whatever_is_sent_there_is_a_step(frames: list[tuple[int, float | None]]):
+def test_there_is_a_step_for_all_sizes(frames: list[tuple[int, float | None]]):
     adaptation = PictureAdaptation()
     for number, (size, bytes_per_s) in enumerate(frames):
         before = adaptation.step

@@ -9,7 +9,7 @@ from gateway.protocol.republish_requests import ActionGoal, GoalId, RepublishReq
 FRAMES = {"source_frames": ["a"], "target_frame": "b"}
 
 
-def test_what_is_left_out_has_the_values_that_roslib_sends():
+def test_absent_fields_have_the_values_that_roslib_sends():
     request = parse(RepublishRequest, FRAMES, "args")
     assert (request.rate_hz, request.timeout_s) == (10.0, 2.0)
     assert (request.angular_thres, request.trans_thres) == (0.0, 0.0)
@@ -77,7 +77,7 @@ def test_null_is_as_left_out():
         (GoalId, "x", "args: expected an object, or up to 1 value, got a string"),
     ],
 )
-def test_what_does_not_fit_is_refused_with_its_place(
+def test_a_value_that_does_not_fit_is_refused_with_its_place(
     model: type[RepublishRequest], values: object, words: str
 ):
     with pytest.raises(ProtocolError) as caught:

@@ -108,7 +108,7 @@ def test_a_piece_that_comes_again_with_other_data_is_refused():
     assert refused(assembly, fragment(0, 2, "b")) == expected
 
 
-def test_what_grows_too_large_is_refused_and_forgotten():
+def test_a_message_that_grows_too_large_is_refused_and_forgotten():
     assembly = Assembly(LIMIT)
     for fragment_id in range(2 * MAX_INCOMPLETE):
         assembly.add(fragment(0, 2, "ä" * 400, fragment_id), 0)

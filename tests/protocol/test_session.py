@@ -91,7 +91,7 @@ def test_a_goal_that_cannot_be_parsed_gets_its_result():
         ({"op": "send_action_goal", "id": "c"}, "action_result"),
     ],
 )
-def test_what_names_nothing_gets_its_answer_all_the_same(operation, answer_op):
+def test_an_operation_without_a_name_is_also_answered(operation, answer_op):
     client = Client()
     client.send(**operation)
     (answer,) = client.answers
@@ -109,11 +109,11 @@ def test_json_is_read_within_the_limits_of_the_client():
     ]
 
 
-def test_what_waits_for_a_client_is_bounded_by_its_limit():
+def test_the_queue_of_a_client_is_bounded_by_its_limit():
     assert Client(Limits(send_queue_bytes=100_000)).session.outbox.max_bytes == 100_000
 
 
-def test_the_id_and_the_name_of_what_is_no_operation_come_back_truncated():
+def test_the_id_and_the_name_of_an_unknown_operation_come_back_truncated():
     client = Client()
     client.send(op="x" * 300, id="y" * 300)
     (answer,) = client.answers
@@ -211,7 +211,7 @@ def test_an_operation_in_pieces_is_carried_out_as_if_it_had_come_whole():
     assert client.answers == []
 
 
-def test_what_is_wrong_with_the_whole_is_answered_with_its_own_id():
+def test_an_error_in_the_whole_is_answered_with_its_id():
     client = Client()
     client.send_in_pieces(CALL | {"timeout": "soon"}, size=40)
     client.send_in_pieces("no JSON at all", size=10)
@@ -255,7 +255,7 @@ def test_a_fragment_without_an_id_is_refused():
     assert [answer["msg"] for answer in client.answers] == ["id: missing"]
 
 
-def test_what_stays_incomplete_is_answered_when_the_next_message_comes():
+def test_an_incomplete_message_is_answered_when_the_next_one_comes():
     client = Client()
     client.send(op="fragment", id="f", num=0, total=2, data="{")
     client.send(op="ping", now_ns=MAX_AGE_NS + 1)
@@ -334,7 +334,7 @@ def test_an_unknown_operation_is_answered_with_the_nearest_in_capitals_too(op):
         ),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(operation, text):
+def test_an_error_names_its_place(operation, text):
     client = Client()
     client.send(**{"node": "/a"} | operation if "parameters" in operation["op"] else operation)
     (answer,) = client.answers

@@ -36,7 +36,7 @@ def test_a_name_without_slash_is_global(written, resolved):
         "/a-b",
     ],
 )
-def test_what_is_no_topic_name_is_refused(name):
+def test_an_invalid_topic_name_is_refused(name):
     with pytest.raises(ProtocolError, match=r"topic: .* is not a valid topic name") as caught:
         resolve_topic(name, 200)
     assert caught.value.code == "bad_name"

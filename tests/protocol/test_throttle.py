@@ -11,7 +11,7 @@ MS = 1_000_000
 def run(
     throttle: Throttle, times_ms: list[float], *, late_ms: float = 0
 ) -> list[tuple[float, int]]:
-    """Offer entry n at the n-th time; return when which entry passed.
+    """Offer entry n at the n-th time. Return when which entry passed.
 
     The timer that releases an entry fires *late_ms* after the end of the interval.
     """
@@ -55,7 +55,7 @@ def test_late_timers_do_not_slow_the_beat_down():
     st.lists(st.integers(1, 300), min_size=1, max_size=40),
     st.integers(1, 200),
 )
-def test_what_passes_keeps_its_distance_and_the_last_one_arrives(gaps_ms, interval_ms):
+def test_entries_keep_their_distance_and_the_last_one_arrives(gaps_ms, interval_ms):
     times, now = [], 10_000.0
     for gap in gaps_ms:
         now += gap
@@ -92,7 +92,7 @@ def test_of_more_than_8_mib_the_oldest_make_room_but_one_is_held():
     assert len(throttle) == 1
 
 
-def test_entries_make_room_for_those_of_their_own_publisher():
+def test_entries_make_room_for_those_of_the_same_publisher():
     throttle = Throttle(Pace(100 * MS))
     assert throttle.passes(0)
     whose = [b"a", b"b", b"a", b"c", b"b"]

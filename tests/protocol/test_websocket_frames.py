@@ -87,7 +87,7 @@ def test_only_cbor_comes_in_binary_frames(compression, opcode):
     assert frame.opcode is opcode
 
 
-def test_a_picture_of_text_has_meta_beside_it():
+def test_a_picture_of_text_has_meta_next_to_it():
     png = publish_frames("/odom", "png")
     assert unpacked(png.shared(b"iVBO")) == [{"op": "png", "data": "iVBO"}]
     assert unpacked(png.per_client(b"iVBO", PerClient(7, meta=META))) == [

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever clients send is carried out or answered, and raises nothing."""
+"""Every operation is carried out or answered, and none raises an exception."""
 
 import random
 from typing import Any

@@ -84,7 +84,7 @@ async def test_a_service_is_called_in_cbor(bench: Bench):
         (b"\x81\x01", "frame is not UTF-8 at offset 0: CBOR must begin with a map"),
     ],
 )
-async def test_what_is_no_operation_in_cbor_is_refused_in_words(bench: Bench, data, words):
+async def test_invalid_cbor_is_refused_with_the_reason(bench: Bench, data, words):
     client = bench.client()
     client.send_raw(data)
     ((code, text),) = client.statuses

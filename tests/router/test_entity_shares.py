@@ -26,7 +26,7 @@ def crowd(bench: Bench) -> Bench:
 
 
 def fill(client: Socketless, name: str) -> None:
-    """Use one entity of each kind that a client opens; none is refused."""
+    """Use one entity of each kind that a client opens. None is refused."""
     client.send(op="subscribe", topic=f"/{name}", type=STRING)
     client.send(op="advertise", topic=f"/{name}", type=STRING)
     client.send(op="advertise_service", service=f"/{name}_service", type=TRIGGER)
@@ -82,7 +82,7 @@ async def test_a_shared_entity_counts_for_each_client_that_uses_it(crowd: Bench)
     assert second.statuses == [PER_CLIENT]
 
 
-async def test_what_is_given_back_may_be_used_again(crowd: Bench):
+async def test_an_entity_that_is_given_back_may_be_used_again(crowd: Bench):
     client = crowd.client()
     fill(client, "a")
     client.send(op="unsubscribe", topic="/a")
@@ -99,7 +99,7 @@ async def test_of_a_client_that_has_left_nothing_is_kept(crowd: Bench):
     fill(client, "a")
     session = weakref.ref(client.session)
     crowd.router.leave(client.session)
-    await crowd.settle()  # what is under way may know it
+    await crowd.settle()  # an unfinished operation may refer to it
     del client
     gc.collect()
     assert session() is None

@@ -72,7 +72,7 @@ ANYTHING = st.one_of(
 
 
 def values(schema: dict[str, Any], definitions: dict[str, Any]) -> st.SearchStrategy[Any]:
-    """Return values of the kinds that a JSON Schema asks for; numbers keep to no bounds."""
+    """Return values of the kinds that a JSON Schema asks for. Numbers keep to no bounds."""
     if "$ref" in schema:
         return values(definitions[schema["$ref"].rpartition("/")[2]], definitions)
     if "anyOf" in schema:
@@ -119,7 +119,7 @@ def numbers(schema: dict[str, Any], definitions: dict[str, Any], way: Way = ()) 
 
 
 def with_one_number(op: str, way: Way, number: object) -> dict[str, Any]:
-    """Return an operation that is in order but for one number."""
+    """Return an operation that is valid except for one number."""
     value = number
     for part in reversed(way[1:]):
         value = {part: value} if isinstance(part, str) else [number, number]
@@ -133,7 +133,7 @@ def operations(op: str) -> st.SearchStrategy[dict[str, Any]]:
 
 
 async def carry_out(text: str) -> list[Any]:
-    """Send an operation to a gateway with a camera; return the errors of its loop."""
+    """Send an operation to a gateway with a camera. Return the errors of its loop."""
     errors: list[Any] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, context: errors.append(context))
     ros = FakeRos()

@@ -106,7 +106,7 @@ async def test_a_map_of_nav2_reaches_ros(bench: Bench, publish: Way, size):
         (None, {}, "neither JPEG nor PNG"),
     ],
 )
-async def test_a_png_that_is_no_map_is_refused(bench: Bench, png, more, words):
+async def test_a_png_without_a_map_is_refused(bench: Bench, png, more, words):
     client = bench.client()
     client.send(op="advertise", topic="/map", type=GRID, image={"format": "png"})
     data = b"no png" if png is None else cv2.imencode(".png", png)[1].tobytes()
@@ -117,7 +117,7 @@ async def test_a_png_that_is_no_map_is_refused(bench: Bench, png, more, words):
 
 
 class Turns:
-    """What clients have left to do, which the test does one after the other."""
+    """The remaining work of the clients, which the test does one after the other."""
 
     def __init__(self) -> None:
         self.left: deque[Callable[[], None]] = deque()

@@ -24,7 +24,7 @@ REMEDY = ": install its package, or name a folder that has the definition in typ
 
 
 class Node:
-    """A node outside that publishes types of its own, and answers when it is told to."""
+    """Another node that publishes its own types, and answers when the test says so."""
 
     def __init__(self, bench: Bench, name: str = "/lamp", *, has_service: bool = True) -> None:
         self.bench = bench
@@ -102,7 +102,7 @@ async def test_a_node_is_asked_as_soon_as_its_topic_appears(bench: Bench):
     await node.is_asked()  # no more
 
 
-async def test_who_subscribes_meanwhile_waits_for_the_definition(bench: Bench):
+async def test_a_subscription_waits_for_the_definition(bench: Bench):
     node = Node(bench)
     publisher = node.publish("/lamp", LAMP)
     client = bench.client()
@@ -139,7 +139,7 @@ async def test_a_node_that_has_yet_to_introduce_itself_is_waited_for(bench: Benc
     assert client.frames == []
 
 
-async def test_who_waits_hears_once_why_there_is_none(bench: Bench, monkeypatch):
+async def test_a_waiting_client_hears_once_why_the_definition_is_missing(bench: Bench, monkeypatch):
     monkeypatch.setattr(learned_types, "PAUSE_S", 0.5)
     node = Node(bench)
     node.publish("/lamp", LAMP)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers on the wire, both ways, beside what JSON can write."""
+"""Numbers on the wire, both ways, also those that JSON does not have."""
 
 import asyncio
 import base64
@@ -59,7 +59,7 @@ async def test_tokens_are_what_python_reads(bench: Bench):
 
 
 @pytest.mark.parametrize("form", ["string", "token"])
-async def test_what_a_client_gets_it_can_send_back(bench: Bench, form):
+async def test_a_client_can_send_back_the_values_that_it_gets(bench: Bench, form):
     (wire,) = await scans(bench, f'{{"range_min":-Infinity,"ranges":{RANGES}}}', nonfinite=form)
     msg = wire[wire.index(b'"msg":') + 6 : -1].decode()
     listener, talker = bench.client(), bench.client()
@@ -124,7 +124,7 @@ async def test_a_number_of_an_operation_itself_must_be_finite(bench: Bench, toke
         ('{"ranges":[1,"nan"]}', "msg.ranges[1]: expected a number, got a string"),
     ],
 )
-async def test_where_no_float_is_expected_they_are_refused_with_the_path(
+async def test_nonfinite_numbers_outside_of_floats_are_refused_with_the_path(
     bench: Bench, text, reason
 ):
     client = bench.client()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What clients of each role may do, asked as they ask."""
+"""The operations that each role may carry out."""
 
 import json
 import logging
@@ -142,7 +142,7 @@ async def test_a_name_is_validated_before_it_is_judged(bench: Bench, name: str) 
     assert client.statuses[0][0] == "bad_name"
 
 
-async def test_what_no_role_may_do_is_said_to_be_so(bench: Bench) -> None:
+async def test_an_operation_that_no_role_may_do_is_refused_as_such(bench: Bench) -> None:
     nobody = AccessConfig(
         operator=OperatorConfig(deny_publish=("/estop",)), admin=RoleConfig(publish=())
     )
@@ -206,10 +206,10 @@ async def answers(bench: Bench, *, exist: bool) -> list[Any]:
     return [frame for frame in client.frames if frame["op"] != "pong"]
 
 
-async def test_what_is_hidden_answers_as_what_does_not_exist(bench: Bench, empty: Bench) -> None:
+async def test_a_hidden_name_gets_the_answer_of_an_unknown_one(bench: Bench, empty: Bench) -> None:
     there = await answers(bench, exist=True)
     assert there == await answers(empty, exist=False)
-    # a name that was asked for comes back; nothing else of the hidden ones does
+    # a name that was asked for comes back. Nothing else of the hidden ones does
     listed = [frame for frame in there if frame["op"] == "graph" or "rosapi" in str(frame)]
     assert "secret" not in json.dumps(listed)
     assert "/open" in json.dumps(listed)
@@ -327,7 +327,7 @@ async def test_parameters_of_a_hidden_node_are_those_of_a_node_that_does_not_exi
     assert names == [["/base:max_speed", "/secret/arm:max_speed"], ["/base:max_speed"]]
 
 
-async def test_who_cannot_subscribe_to_tf_looks_nothing_up(bench: Bench) -> None:
+async def test_a_role_without_tf_cannot_look_up_transforms(bench: Bench) -> None:
     client = operator(bench, HIDING)
     client.send(op="lookup_transform", id=1, target_frame="map", source_frame="odom")
     code, text = client.statuses[0]
@@ -375,7 +375,7 @@ async def test_hello_says_the_role(bench: Bench) -> None:
         assert client.of("hello")[0]["role"] == role
 
 
-async def test_what_is_forbidden_is_recorded_without_the_payload(bench: Bench, caplog) -> None:
+async def test_a_forbidden_operation_is_recorded_without_the_payload(bench: Bench, caplog) -> None:
     client = viewer(bench)
     with caplog.at_level(logging.DEBUG, "gateway.audit"):
         client.send(op="publish", topic="/cmd_vel", type=STRING, msg={"data": "payload"})

@@ -84,7 +84,7 @@ async def test_a_watched_graph_sends_what_changed_and_nothing_else(bench: Bench)
     assert len(client.of("graph")) == 4  # the answer to the last operation was the last one
 
 
-async def test_a_watched_topic_that_changes_is_sent_anew(bench: Bench):
+async def test_a_watched_topic_that_changes_is_sent_again(bench: Bench):
     client = bench.client()
     bench.ros.add_publisher("/odom", "nav_msgs/msg/Odometry", node="/robot")
     client.send(op="graph", id="g", watch=True)
@@ -94,7 +94,7 @@ async def test_a_watched_topic_that_changes_is_sent_anew(bench: Bench):
     assert topic["publishers"] == ["/other", "/robot"]
 
 
-async def test_what_ros_refuses_comes_back_truncated(bench: Bench, monkeypatch):
+async def test_a_refusal_of_ros_comes_back_truncated(bench: Bench, monkeypatch):
     def refuse(*_: object) -> None:
         raise RosError("internal", "x" * 1000)
 
@@ -140,7 +140,7 @@ async def test_the_graph_knows_the_rate_of_received_topics(bench: Bench):
         (b'{"op":"call_servic","service":"/x"}', "unknown_op"),
     ],
 )
-async def test_what_is_no_operation_gets_a_status_and_the_next_one_works(bench: Bench, data, code):
+async def test_an_unknown_operation_gets_a_status_and_the_next_one_works(bench: Bench, data, code):
     client = bench.client()
     client.send_raw(data)
     assert [status[0] for status in client.statuses] == [code]
@@ -279,7 +279,7 @@ async def test_a_clients_own_words_come_back_short(bench: Bench, operation):
     assert client.wires
 
 
-async def test_what_cannot_be_closed_keeps_nothing_else_open(bench: Bench, monkeypatch):
+async def test_a_failure_to_close_keeps_nothing_else_open(bench: Bench, monkeypatch):
     client = bench.client()
     client.send(op="subscribe", topic="/t", type="std_msgs/String")
     client.send(op="advertise_service", service="/s", type="std_srvs/Trigger")

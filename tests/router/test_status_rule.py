@@ -126,7 +126,7 @@ async def happen(bench: Bench, client: Socketless) -> None:
     await bench.settle()
 
 
-async def test_what_happens_on_its_topics_is_told_only_to_a_client_that_asks(
+async def test_events_of_its_topics_go_only_to_a_client_that_asks(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ):
     caplog.set_level(logging.INFO, "gateway.protocol.session")
@@ -140,7 +140,7 @@ async def test_what_happens_on_its_topics_is_told_only_to_a_client_that_asks(
     told = [(frame["msg"],) for frame in new.of("status")]
     assert len(told) >= 7
     assert {frame["level"] for frame in new.of("status")} == {"warning"}
-    assert sorted(logged) == sorted(told)  # what is not sent is in the log
+    assert sorted(logged) == sorted(told)  # the log has each one that is not sent
 
 
 @pytest.mark.parametrize(

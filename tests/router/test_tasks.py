@@ -7,7 +7,7 @@ from tests.clock import StoppedClock
 from tests.router.conftest import LIMITS, Bench
 
 
-async def test_who_waits_for_a_turn_to_ask_a_node_is_told_after_10_s(
+async def test_a_request_that_waits_for_its_turn_fails_after_10_s(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     list_parameters = "rcl_interfaces/srv/ListParameters"
@@ -25,7 +25,7 @@ async def test_who_waits_for_a_turn_to_ask_a_node_is_told_after_10_s(
     assert client.statuses == [("timeout", text)]
 
 
-async def test_what_a_task_takes_is_spent_by_its_client_and_what_it_waits_is_not(bench: Bench):
+async def test_a_client_spends_the_time_that_its_task_works_but_not_waits(bench: Bench):
     client = bench.client()
     spent_s: list[float] = []
     client.session.spend = lambda seconds, now_s: spent_s.append(seconds) is None
@@ -47,7 +47,7 @@ async def test_a_task_that_is_cancelled_ends(bench: Bench):
     assert bench.router.counts()["calls"] == 0
 
 
-async def test_what_the_machine_lacks_is_answered_without_its_paths(
+async def test_a_fault_of_the_machine_is_answered_without_its_paths(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ):
     def none_left(*_: object) -> None:

@@ -37,7 +37,7 @@ def test_of_topics_that_nobody_uses_256_are_kept_and_used_ones_always():
     assert names(counts) == ["/used", *(f"/t{number}" for number in range(10, MAX_UNUSED + 10))]
 
 
-def test_what_clients_have_open_is_added():
+def test_counts_of_open_subscriptions_are_added():
     counts = CountsByTopic()
     past = counts.open("/t")
     past.delivery = Delivery(offered=3, sent=2, sent_bytes=20, dropped=1)

@@ -47,7 +47,7 @@ async def test_events_come_until_they_are_not_wanted_any_more(bench: Bench):
     assert not [frame for each in watchers for frame in each.of("event")]
 
 
-async def test_what_many_clients_hear_of_comes_once_to_a_watcher(bench: Bench):
+async def test_an_event_for_many_clients_comes_once_to_a_watcher(bench: Bench):
     watcher = bench.client()
     watcher.send(op="events")
     for depth in (1, 2):
@@ -67,7 +67,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     return clock
 
 
-async def test_what_happens_again_after_a_second_is_told_again(
+async def test_an_event_that_happens_again_after_a_second_is_sent_again(
     bench: Bench, clock: SimpleNamespace
 ):
     watcher = bench.client()
@@ -155,7 +155,7 @@ async def test_a_client_gets_no_name_of_a_node_that_it_may_not_see(bench: Bench)
     assert ["a node offers" in frame["msg"] for frame in late.of("status")] == [True]
 
 
-async def test_what_does_not_match_a_client_s_publisher_is_an_event_too(bench: Bench):
+async def test_a_mismatch_with_a_client_s_publisher_is_also_an_event(bench: Bench):
     watcher, speaker = bench.client(), bench.client()
     watcher.send(op="events")
     speaker.send(op="advertise", id=1, topic="/t", type=STRING, qos={"durability": "volatile"})

@@ -126,7 +126,7 @@ async def test_a_result_that_does_not_fit_is_refused_and_aborts_the_goal(bench: 
         ({"op": "action_feedback", "values": {}, "action": "/fob"}, "not_found", "not provided"),
     ],
 )
-async def test_what_a_provider_gets_wrong_is_answered_and_harms_nothing(
+async def test_mistakes_of_a_provider_are_answered_and_harm_nothing(
     bench: Bench, operation: dict[str, Any], code: str, words: str
 ) -> None:
     client, person = provider(bench), Person(bench)
@@ -177,7 +177,7 @@ async def test_a_take_over_by_another_type_is_refused_and_the_action_stays(bench
     await goal_of(former)
 
 
-async def test_a_goal_that_is_no_such_message_is_aborted(bench: Bench) -> None:
+async def test_a_goal_that_does_not_fit_its_type_is_aborted(bench: Bench) -> None:
     client, person = provider(bench), Person(bench)
     goal = await person.client.send_goal(b"\0\1\0\0", person.feedback.append)
     assert goal is not None

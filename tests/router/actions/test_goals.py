@@ -174,7 +174,7 @@ async def test_a_goal_that_cannot_be_sent_is_answered_with_the_reason(
     assert words in result["values"]
 
 
-async def test_goals_of_one_client_have_ids_of_their_own_and_a_limit(bench: Bench) -> None:
+async def test_goals_of_one_client_have_different_ids_and_a_limit(bench: Bench) -> None:
     Fib(bench)
     client = bench.client()
     for number in [0, *range(LIMITS.max_goals + 1)]:

@@ -28,7 +28,7 @@ def share(tmp_path, monkeypatch):
 
 @pytest.fixture
 def fifo(share):
-    """A name at which whoever opens it waits, until the test has ended."""
+    """A FIFO: opening it blocks until the test has ended."""
     path = share / "meshes/fifo.stl"
     os.mkfifo(path)
     yield
@@ -105,7 +105,7 @@ async def test_a_link_in_the_package_is_followed_as_colcon_makes_them(bench, sha
     )
 
 
-async def test_what_xacro_has_found_is_the_file_of_the_package(bench: Bench, share):
+async def test_a_file_uri_of_xacro_is_the_file_of_the_package(bench: Bench, share):
     answer = await fetched(bench, uri=f"file://{share}/meshes/upper.stl")
     assert base64.b64decode(answer["data"]) == MESH[: 32 * 1024]
 
@@ -155,7 +155,7 @@ async def test_no_other_file_is_given(bench: Bench, share, tmp_path):
         "package://arm/meshes/upper.stl?x=1",
     ],
 )
-async def test_whatever_is_no_model_of_a_package_is_refused(bench: Bench, share, uri):
+async def test_a_uri_of_another_kind_of_file_is_refused(bench: Bench, share, uri):
     code, text = await refused(bench, uri=uri)
     assert code == "bad_name"
     assert uri in text
@@ -174,7 +174,7 @@ async def test_whatever_is_no_model_of_a_package_is_refused(bench: Bench, share,
         (f"package://arm/{'x' * 4000}.stl", "no such file"),
     ],
 )
-async def test_what_is_not_there_is_said(bench: Bench, share, fifo, uri, words):
+async def test_a_missing_file_is_refused_with_the_reason(bench: Bench, share, fifo, uri, words):
     (share / "meshes/folder.stl").mkdir()
     code, text = await refused(bench, uri=uri)
     assert code == "not_found"
@@ -191,7 +191,7 @@ async def test_an_offset_beyond_the_end_is_refused(bench: Bench, share):
 @pytest.mark.parametrize(
     "members", [{}, {"uri": UPPER, "offset": -1}, {"uri": 7}, {"uri": "x" * 4097}]
 )
-async def test_what_is_no_request_is_refused(bench: Bench, share, members):
+async def test_an_invalid_request_is_refused(bench: Bench, share, members):
     assert (await refused(bench, **members))[0] == "bad_request"
 
 

@@ -46,7 +46,7 @@ async def test_other_languages_are_written_too(bench: Bench, language):
         (["geometry_msgs/msg/Twist"], "the Unity package has all classes of geometry_msgs/msg/Twi"),
     ],
 )
-async def test_what_cannot_be_written_is_refused_in_words(bench: Bench, types, text):
+async def test_code_that_cannot_be_written_is_refused_with_the_reason(bench: Bench, types, text):
     client = bench.client()
     client.send(op="generate", language="csharp", types=types)
     ((code, said),) = [(f["code"], f["msg"]) for f in await client.sees(1, "status")]
@@ -134,7 +134,7 @@ async def test_the_time_of_the_thread_is_the_clients(bench: Bench, monkeypatch):
     assert max(spent) >= 0.02
 
 
-async def test_who_waits_too_long_for_others_is_told(bench: Bench, monkeypatch):
+async def test_a_request_that_waits_too_long_for_others_fails(bench: Bench, monkeypatch):
     go_on = threading.Event()
     monkeypatch.setattr(client_code, "TURN_S", 0.0)
     monkeypatch.setattr(client_code, "_written", lambda *_: (go_on.wait(), ({}, []))[1])

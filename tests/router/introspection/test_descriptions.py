@@ -29,7 +29,7 @@ def robot(bench: Bench) -> Bench:
         ("/fib", "/fib", FIBONACCI, ["goal", "result", "feedback"]),
     ],
 )
-async def test_what_has_a_type_is_described_by_its_name(
+async def test_anything_with_a_type_is_described_by_its_name(
     robot: Bench, requested, name, type_name, parts
 ):
     client = robot.client()
@@ -59,7 +59,7 @@ async def test_examples_are_for_what_was_asked_for(robot: Bench):
     )
 
 
-async def test_an_example_has_a_line_of_its_own(robot: Bench):
+async def test_an_example_has_a_separate_line(robot: Bench):
     client = robot.client()
     client.send(op="describe", id="d", type="/power")
     lines = client.wires[0].partition(b"{")[2].splitlines()
@@ -85,9 +85,7 @@ async def test_a_service_that_nobody_provides_has_no_example(robot: Bench):
         ("/" + "x" * 5000, "not_found", "..."),
     ],
 )
-async def test_what_does_not_exist_is_refused_with_what_was_meant(
-    robot: Bench, requested, code, text
-):
+async def test_an_unknown_name_is_refused_with_a_suggestion(robot: Bench, requested, code, text):
     client = robot.client()
     client.send(op="describe", type=requested)
     ((got, message),) = client.statuses

@@ -30,7 +30,7 @@ async def test_help_has_lines_to_try_and_where_the_docs_are(bench: Bench):
     "text",
     [b"help", b"?", b"h", b"HELP\r\n", b" Help ", b"/help", b"--help", b'"help"', b"help()"],
 )
-async def test_what_a_person_types_who_asks_for_help_is_understood(bench: Bench, text):
+async def test_texts_of_a_person_who_asks_for_help_are_understood(bench: Bench, text):
     client = bench.client()
     client.send_raw(text)
     (answer,) = client.frames
@@ -47,7 +47,7 @@ async def test_other_text_is_refused_with_the_way_to_help(bench: Bench):
     assert "help" not in client.statuses[-1][1]
 
 
-async def test_each_frame_has_a_line_of_its_own(bench: Bench):
+async def test_each_frame_has_a_separate_line(bench: Bench):
     bench.ros.add_publisher("/odom", ODOMETRY)
     client = bench.client()
     client.send(op="help")
@@ -135,7 +135,7 @@ async def test_the_answer_is_bounded_whatever_the_graph_holds(bench: Bench):
     assert len(client.wires[0]) < 4096
 
 
-async def test_who_has_yet_to_show_a_token_is_told_that(bench: Bench):
+async def test_a_client_without_its_token_is_asked_for_it(bench: Bench):
     client = bench.client(identity=None)
     client.send_raw(b"help")
     ((code, text),) = client.statuses

@@ -51,7 +51,7 @@ async def test_values_are_read(names: Sequence[str] | None) -> None:
     assert scripted.asked == ("/robot", names, 2.5)
 
 
-async def test_what_became_of_each_value_is_told() -> None:
+async def test_the_outcome_of_each_value_is_reported() -> None:
     operations, _ = build({"a": SetResult(successful=True), "b": SetResult(False, "too fast")})
     request = SetParameters(node="/robot", values={"a": 1, "b": 2})
     assert await operations.set(request) == {
@@ -72,13 +72,13 @@ async def test_parameters_are_described() -> None:
 
 
 @pytest.mark.parametrize("asked", [1e9, 0])
-async def test_nobody_waits_for_a_node_for_ever(asked: float) -> None:
+async def test_a_request_to_a_node_has_a_timeout(asked: float) -> None:
     operations, scripted = build({})
     await operations.get(GetParameters(node="/robot", timeout=asked))
     assert scripted.asked[-1] == 60
 
 
-async def test_what_goes_wrong_comes_through() -> None:
+async def test_errors_of_a_node_reach_the_client() -> None:
     operations, _ = build(ProtocolError("timeout", "node /robot has not answered within 1 s"))
     with pytest.raises(ProtocolError, match="has not answered"):
         await operations.get(GetParameters(node="/robot"))

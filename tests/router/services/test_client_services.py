@@ -73,7 +73,7 @@ async def test_answers_find_their_calls_in_any_order(bench: Bench) -> None:
     ("answer", "message"),
     [
         ({"result": False}, "service failed"),
-        ({"result": False, "values": {}}, "service failed"),  # what roslib and roslibpy send
+        ({"result": False, "values": {}}, "service failed"),  # as roslib and roslibpy send it
         ({"result": False, "values": "jammed"}, "jammed"),
     ],
 )
@@ -204,7 +204,7 @@ async def test_the_newest_provider_wins_and_the_former_is_told(bench: Bench) -> 
         ({"service": "/arm"}, "bad_request"),
     ],
 )
-async def test_what_cannot_be_provided_is_refused(
+async def test_a_service_that_cannot_be_provided_is_refused(
     bench: Bench, operation: dict[str, Any], code: str
 ) -> None:
     client = bench.client()
@@ -264,7 +264,7 @@ async def test_a_call_that_was_answered_has_no_deadline_any_more(
     assert "KeyError" not in caplog.text
 
 
-async def test_a_request_that_is_no_such_message_fails(bench: Bench) -> None:
+async def test_a_request_that_does_not_fit_its_type_fails(bench: Bench) -> None:
     client = provider(bench)
     async with asyncio.timeout(TIMEOUT_S):
         cdr = await Caller(bench).client.call(b"\0\1\0\0")
@@ -301,7 +301,7 @@ async def test_a_provider_is_asked_in_ascii_for_ros_sharp_reads_no_other(bench: 
     waiting.cancel()
 
 
-async def test_what_the_gateway_answers_itself_cannot_be_provided(bench: Bench) -> None:
+async def test_services_of_the_gateway_cannot_be_provided(bench: Bench) -> None:
     client = bench.client()
     client.send(op="advertise_service", service="/rosapi/topics", type="std_srvs/Empty")
     assert client.statuses == [

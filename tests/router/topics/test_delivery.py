@@ -140,7 +140,7 @@ steps = st.lists(
 
 
 @given(steps, options)
-def test_what_was_offered_is_sent_coalesced_dropped_or_pending(steps, first):
+def test_an_offered_sample_is_sent_coalesced_dropped_or_pending(steps, first):
     async def scenario() -> None:
         client = Client(**first)
         for step in steps:
@@ -153,7 +153,7 @@ def test_what_was_offered_is_sent_coalesced_dropped_or_pending(steps, first):
     asyncio.run(scenario())
 
 
-async def test_what_a_worker_encodes_is_pending():
+async def test_a_sample_that_a_worker_encodes_is_pending():
     client = Client()
     client.do(("offer", "not ready", True))
     client.take(1000)
@@ -161,7 +161,7 @@ async def test_what_a_worker_encodes_is_pending():
     assert client.subscription.delivery == Delivery(offered=1, pending=1)
 
 
-async def test_what_a_subscription_had_is_added_to_its_topic_when_it_ends():
+async def test_counts_of_a_subscription_are_added_to_its_topic_when_it_ends():
     client = Client(throttle_rate=LONG)
     for _ in range(5):
         client.do(("offer", "ready", False))
@@ -172,7 +172,7 @@ async def test_what_a_subscription_had_is_added_to_its_topic_when_it_ends():
     )
 
 
-async def test_what_a_subscription_had_goes_to_another_one_of_its_client_and_topic():
+async def test_counts_of_a_subscription_go_to_another_one_of_its_client_and_topic():
     first, other = Client(), Client()
     for client in (first, other):
         client.do(("offer", "ready", False))

@@ -81,7 +81,7 @@ async def test_an_image_as_cbor_can_be_plain(bench: Bench):
     assert frame["msg"]["data"] == bytes([128]) * 48 * 64
 
 
-async def test_an_image_as_cbor_raw_is_no_picture(bench: Bench):
+async def test_an_image_as_cbor_raw_is_a_plain_message(bench: Bench):
     cdr = bench.cdr(IMAGE, **PIXELS)
     frame, _ = await received(bench, cdr, IMAGE, compression="cbor-raw")
     assert frame["msg"]["bytes"] == cdr
@@ -208,7 +208,7 @@ async def test_a_sample_is_encoded_once_for_shared_and_per_client_frames(
         client.flush()
         (seen,) = await client.sees(1, op)
         assert ("seq" in seen) == metas[clients.index(client)]
-        # what it is now, it is instead of what it was
+        # it holds only one of the three
         held = (shared.sample.cdr, isinstance(shared._message, bytes), shared._frame)
         assert sum(map(bool, held)) == 1
     assert len(encoded) == 1
@@ -259,7 +259,7 @@ async def test_a_subscription_from_before_the_fingerprint_is_escaped_too(bench: 
 
 
 @pytest.mark.parametrize("compression", ["none", "png", "cbor"])
-async def test_what_cannot_be_decoded_is_reported_once(bench: Bench, compression):
+async def test_a_sample_that_cannot_be_decoded_is_reported_once(bench: Bench, compression):
     bench.ros.add_publisher("/t", STRING)
     client = bench.client()
     client.send(op="subscribe", topic="/t", compression=compression)

@@ -107,7 +107,7 @@ def broken(client: Client) -> None:
     "become", [nothing_left, too_little_left, waiting, gone, ros_sharp, late, broken]
 )
 @pytest.mark.parametrize("place", [0, 1, 2])
-def test_whoever_cannot_take_it_now_is_left_to_others_and_delays_nobody(
+def test_a_busy_subscription_is_left_to_others_and_delays_no_other(
     become: Callable[[Client], None], place: int
 ):
     clients = [Client() for _ in range(3)]
@@ -123,7 +123,7 @@ def test_whoever_cannot_take_it_now_is_left_to_others_and_delays_nobody(
 @pytest.mark.parametrize(
     "options", [{"throttle_rate": 1000}, {"meta": True}, {"fragment_size": 1000}]
 )
-def test_who_wants_another_pace_or_frame_is_left_to_others(options: dict[str, Any]):
+def test_a_subscription_with_another_pace_or_frame_is_left_to_others(options: dict[str, Any]):
     clients = [Client(), Client(**options)]
     assert fan_out(Entry(), clients) == [clients[1]]
 
@@ -150,7 +150,7 @@ def test_options_that_change_later_count_from_then_on():
 
 
 @pytest.mark.parametrize("frame", [NOT_READY, NOTHING])
-def test_what_has_no_frame_yet_or_never_is_left_to_others_and_not_asked_for_again(frame: Frame):
+def test_a_sample_without_a_frame_is_left_to_others_and_not_asked_for_again(frame: Frame):
     clients = [Client(), Client()]
     entry = Entry(frame)
     assert fan_out(entry, clients) == clients
@@ -158,7 +158,7 @@ def test_what_has_no_frame_yet_or_never_is_left_to_others_and_not_asked_for_agai
     assert clients[0].written == clients[1].written == []
 
 
-def test_what_nobody_can_take_now_is_not_encoded():
+def test_a_sample_is_not_encoded_if_no_subscription_can_take_it():
     clients = [Client(), Client()]
     for client in clients:
         nothing_left(client)

@@ -39,7 +39,7 @@ def test_the_oldest_goes_when_all_are_too_large(kept: KeptMessages):
     assert kept.size == LIMIT
 
 
-def test_what_alone_is_too_large_takes_nobodys_place(kept: KeptMessages):
+def test_a_message_that_is_too_large_replaces_no_other(kept: KeptMessages):
     kept.keep(ONE, (1, 1), message(LIMIT))
     kept.keep(OTHER, (1, 1), message(LIMIT + 1))
     assert kept.find(ONE, (1, 1)) is not None
@@ -51,7 +51,7 @@ def test_a_sample_without_a_time_is_not_known_again(kept: KeptMessages):
     assert kept.find(ONE, (0, None)) is None
 
 
-def test_what_is_forgotten_takes_no_room(kept: KeptMessages):
+def test_forgotten_messages_take_no_room(kept: KeptMessages):
     kept.keep(ONE, (1, 1), message(10))
     kept.forget(ONE)
     kept.forget(OTHER)

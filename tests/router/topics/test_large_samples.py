@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Large samples, of some 300 kB here, over the fake ROS; each turn of the loop does one step."""
+"""Large samples, of about 300 kB here, over the fake ROS. Each turn of the loop does one step."""
 
 import asyncio
 import json
@@ -117,7 +117,7 @@ async def test_others_have_their_turn_while_a_large_message_is_encoded(bench: Be
     await client.sees(1)
 
 
-async def test_what_is_small_enough_is_encoded_at_once(bench: Bench, encoded: Counter[str]):
+async def test_small_samples_are_encoded_at_once(bench: Bench, encoded: Counter[str]):
     bench.ros.add_publisher("/t", GRID)
     client = await subscribed(bench)
     assert LARGE_SAMPLE_BYTES == 262_144
@@ -361,7 +361,7 @@ async def test_nothing_is_kept_of_a_topic_that_is_not_latched(bench: Bench):
     assert bench.router._subscriptions._resources.kept.size == 0
 
 
-async def test_what_is_kept_goes_with_the_last_subscription(bench: Bench):
+async def test_kept_messages_go_with_the_last_subscription(bench: Bench):
     bench.ros.add_publisher("/t", GRID, LATCHED)
     client = await subscribed(bench)
     bench.ros.publish("/t", grid(bench))
@@ -372,13 +372,13 @@ async def test_what_is_kept_goes_with_the_last_subscription(bench: Bench):
     assert kept.size == 0
 
 
-async def test_what_is_ready_after_the_last_subscription_is_not_kept(bench: Bench):
+async def test_a_message_that_is_ready_after_the_last_subscription_is_not_kept(bench: Bench):
     bench.ros.add_publisher("/t", GRID, LATCHED)
     client = await subscribed(bench)
     (encoding,) = encodings(bench)
     bench.ros.publish("/t", grid(bench))
     await begun(encoding)
-    client.send(op="subscribe", topic="/t", nonfinite="string")  # what waits still comes
+    client.send(op="subscribe", topic="/t", nonfinite="string")  # waiting samples still come
     await client.sees(1)
     assert client.messages[0]["data"] == CELLS
     assert bench.router._subscriptions._resources.kept.find(encoding._large, (0, None)) is None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The late join alone: a scripted reader beside a topic, and no time but the test's."""
+"""The late join alone: a scripted reader next to a topic, with a time that the test sets."""
 
 import asyncio
 from collections.abc import Callable, Sequence
@@ -26,7 +26,7 @@ class Reader:
 
 
 class Clock:
-    """A loop whose time is the test's; one timer at most."""
+    """A loop whose time is the test's. One timer at most."""
 
     def __init__(self) -> None:
         self.now_s = 1000.0
@@ -103,7 +103,7 @@ def scene(monkeypatch: pytest.MonkeyPatch) -> Scene:
     return Scene(monkeypatch)
 
 
-def test_what_comes_both_ways_comes_once_whichever_is_first(scene: Scene):
+def test_a_sample_that_comes_both_ways_is_sent_once(scene: Scene):
     scene.to_reader(1, 2)
     scene.to_topic(3)
     scene.to_reader(3, 4)
@@ -138,14 +138,14 @@ def test_publishers_that_the_reader_does_not_know_yet_are_waited_for(scene: Scen
     assert scene.reader.is_closed
 
 
-def test_what_never_came_to_the_reader_comes_from_the_topic(scene: Scene):
+def test_a_sample_that_missed_the_reader_comes_from_the_topic(scene: Scene):
     scene.to_topic(1, 2)
     scene.to_reader(2)
     scene.clock.advance(10)
     assert scene.offered == [(b"2", 2), (b"1", 1)]
 
 
-def test_what_is_on_its_way_when_the_topic_takes_over_comes_once(scene: Scene):
+def test_a_sample_on_its_way_when_the_topic_takes_over_comes_once(scene: Scene):
     scene.to_reader(1)
     scene.clock.advance(5)
     assert scene.reader.is_closed
@@ -154,7 +154,9 @@ def test_what_is_on_its_way_when_the_topic_takes_over_comes_once(scene: Scene):
     assert scene.values == [1, 2]
 
 
-def test_what_waits_for_the_reader_is_bounded(scene: Scene, monkeypatch: pytest.MonkeyPatch):
+def test_samples_that_wait_for_the_reader_are_bounded(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+):
     assert (module.MAX_AHEAD, module.MAX_AHEAD_BYTES) == (256, 8 << 20)
     scene.to_topic(*range(1000, 2000))
     monkeypatch.setattr(module, "MAX_AHEAD_BYTES", 20)

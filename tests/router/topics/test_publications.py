@@ -126,7 +126,7 @@ async def test_latch_queue_size_and_qos_shape_the_publisher(bench: Bench, extra,
     assert len(bench.ros.publishers) == 2
 
 
-async def test_what_shapes_a_publisher_is_validated_in_publish_too(bench: Bench):
+async def test_options_of_a_publisher_are_also_validated_in_publish(bench: Bench):
     client = bench.client()
     for extra in ({"qos": {"depht": 1}}, {"queue_size": -1}, {"latch": "yes"}):
         client.send(op="publish", topic="/t", type=STRING, msg={}, **extra)

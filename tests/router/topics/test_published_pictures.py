@@ -125,7 +125,7 @@ async def test_a_jpeg_in_cbor_needs_no_base64_and_is_stamped_now(bench: Bench):
     assert heard[0]["header"]["stamp"]["sec"] == 1_700_000_000
 
 
-async def test_what_the_gateway_sends_can_be_sent_back(bench: Bench):
+async def test_pictures_of_the_gateway_can_be_sent_back(bench: Bench):
     heard = listen(bench)
     client = advertising(bench)
     client.send(op="subscribe", topic="/camera", type=IMAGE, image={"format": "png"})
@@ -148,7 +148,7 @@ async def test_what_the_gateway_sends_can_be_sent_back(bench: Bench):
         (5, "msg: expected an object, got 5"),
     ],
 )
-async def test_what_is_no_picture_is_refused_in_words(bench: Bench, msg, words):
+async def test_an_invalid_picture_is_refused_with_the_reason(bench: Bench, msg, words):
     heard = listen(bench)
     client = advertising(bench)
     publish(client, msg, id="p")
@@ -225,7 +225,7 @@ async def test_clients_take_turns_and_one_worker_is_left_for_others(bench: Bench
     assert held.begun == ["first", "second", "again", "third"]
 
 
-async def test_what_waits_of_a_client_is_no_longer_than_a_message_may_be(bench: Bench, held: Held):
+async def test_waiting_pictures_of_a_client_fit_in_one_message(bench: Bench, held: Held):
     client = advertising(bench)
     publish(client, named("first"))
     await eventually(lambda: held.begun == ["first"])

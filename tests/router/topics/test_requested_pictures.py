@@ -42,7 +42,7 @@ class Camera:
         return client
 
     async def show(self, *clients: Socketless, times: int = 1) -> list[Frame]:
-        """Show a picture some times; return the last frame of each client."""
+        """Show a picture some times. Return the last frame of each client."""
         for _ in range(times):
             before = [len(client.of("publish")) for client in clients]
             self._bench.ros.publish("/camera", self._cdr)
@@ -87,7 +87,7 @@ async def test_the_bounds_that_were_asked_for_are_made_smaller_in_turn(camera: C
 @pytest.mark.parametrize(
     "image", [{"quality": 80}, {"adapt": False}, {"format": "png"}, {"format": "raw"}]
 )
-async def test_who_asks_for_a_quality_or_for_what_is_lossless_gets_it(camera: Camera, image: Any):
+async def test_a_requested_quality_or_lossless_picture_does_not_adapt(camera: Camera, image: Any):
     client = camera.client(SLOW, image=image, meta=True)
     (frame,) = await camera.show(client, times=3)
     assert width(frame) == WIDTH
@@ -132,7 +132,7 @@ async def test_another_request_goes_on_with_pictures_that_fit(camera: Camera):
     assert width(asked) == WIDTH
 
 
-async def test_who_has_left_meanwhile_is_not_fed_again(camera: Camera, bench: Bench):
+async def test_a_client_that_has_left_is_not_fed_again(camera: Camera, bench: Bench):
     client = camera.client(SLOW)
     subscription = bench.router._subscriptions._subscriptions[client.session]["/camera"]
     await camera.show(client)
@@ -143,7 +143,7 @@ async def test_who_has_left_meanwhile_is_not_fed_again(camera: Camera, bench: Be
     assert subscription.source is None
 
 
-async def test_who_asks_for_pictures_in_vain_is_told_why(bench: Bench):
+async def test_a_request_for_pictures_without_effect_gets_a_warning(bench: Bench):
     for topic, type_name in (("/camera", IMAGE), ("/map", GRID), ("/odom", ODOMETRY)):
         bench.ros.add_publisher(topic, type_name)
     statuses = []
@@ -182,9 +182,7 @@ async def test_who_asks_for_pictures_in_vain_is_told_why(bench: Bench):
         ("/odom", None),
     ],
 )
-async def test_who_gets_pictures_or_asks_for_none_is_told_nothing(
-    bench: Bench, topic: str, image: Any
-):
+async def test_a_request_with_its_effect_gets_no_warning(bench: Bench, topic: str, image: Any):
     for name, type_name in (("/camera", IMAGE), ("/map", GRID), ("/odom", ODOMETRY)):
         bench.ros.add_publisher(name, type_name)
     client = bench.client()
@@ -192,7 +190,7 @@ async def test_who_gets_pictures_or_asks_for_none_is_told_nothing(
     assert client.statuses == []
 
 
-async def test_a_compressed_image_is_not_touched_unless_somebody_says_so(bench: Bench):
+async def test_a_compressed_image_is_unchanged_unless_a_client_asks(bench: Bench):
     bench.ros.add_publisher("/jpeg", COMPRESSED_IMAGE)
     client = bench.client()
     client.session.outbox.drains(SLOW)

@@ -55,7 +55,7 @@ def test_a_publisher_of_large_messages_keeps_few_of_them():
         ({"durability": "transient_local"}, "transient_local", None),
     ],
 )
-def test_who_says_nothing_matches_late_subscribers_too_and_keeps_nothing_old(
+def test_the_default_qos_matches_late_subscribers_and_keeps_nothing_old(
     qos, durability, lifespan_ns
 ):
     request = Advertise(topic="/t", type="x", qos=qos and QosRequest(**qos))
@@ -64,7 +64,7 @@ def test_who_says_nothing_matches_late_subscribers_too_and_keeps_nothing_old(
 
 
 @pytest.mark.parametrize("nothing", [0, 0.0, {"secs": 0, "nsecs": 0}, {}, "infinite", None])
-def test_a_duration_of_zero_is_no_limit_as_in_ros(nothing):
+def test_a_duration_of_zero_means_no_limit_as_in_ros(nothing):
     asked = requested(QosRequest(deadline=nothing, lifespan=nothing))
     assert (asked.deadline_ns, asked.lifespan_ns) == (None, None)
 

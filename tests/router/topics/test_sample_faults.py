@@ -28,7 +28,7 @@ def test_the_same_fault_is_reported_again_after_a_minute_with_the_number_of_thos
     assert faults.note("broken", (2 * REPEATS_AFTER_S - 1) * SECOND) is None
 
 
-def test_a_fault_is_reported_anew_to_who_does_not_know():
+def test_a_fault_is_reported_again_to_a_new_subscriber():
     faults = SampleFaults(0)
     assert faults.note("broken", 0)
     faults.forget()

@@ -57,7 +57,7 @@ def hear(bench: Bench, text: str = "x") -> None:
     bench.ros.publish("/t", bench.cdr(STRING, data=text))
 
 
-async def test_who_asks_is_told_of_silence_once_and_of_its_end(bench: Bench, clock: Clock):
+async def test_a_client_that_asks_hears_of_silence_once_and_of_its_end(bench: Bench, clock: Clock):
     bench.ros.add_publisher("/t", STRING)
     client = bench.client()
     client.send(op="subscribe", id="s", topic="/t", stale_after_ms=1000)
@@ -85,7 +85,9 @@ async def test_who_asks_is_told_of_silence_once_and_of_its_end(bench: Bench, clo
     assert len(client.messages) == 2
 
 
-async def test_who_does_not_ask_is_told_nothing_and_costs_no_tick(bench: Bench, clock: Clock):
+async def test_a_client_that_does_not_ask_hears_nothing_and_costs_no_tick(
+    bench: Bench, clock: Clock
+):
     bench.ros.add_publisher("/t", STRING)
     client = bench.client()
     client.send(op="subscribe", topic="/t")
@@ -127,7 +129,7 @@ async def test_another_type_on_the_topic_is_heard_as_well(bench: Bench, clock: C
     assert codes(client) == ["stale", "fresh"]
 
 
-async def test_what_came_while_the_loop_stood_still_is_looked_at_first(bench: Bench, clock: Clock):
+async def test_samples_that_came_while_the_loop_stood_still_count_first(bench: Bench, clock: Clock):
     bench.ros.add_publisher("/t", STRING)
     client = bench.client()
     client.send(op="subscribe", topic="/t", stale_after_ms=1000)

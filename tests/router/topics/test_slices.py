@@ -22,7 +22,7 @@ class Clock:
 
 @dataclass
 class Job:
-    """So many steps, each a part of a turn; it notes its name in a log."""
+    """So many steps, each a part of a turn. It notes its name in a log."""
 
     clock: Clock
     name: str
@@ -50,7 +50,7 @@ def slices(clock: Clock) -> Slices:
 
 
 async def turns(log: list[str]) -> list[str]:
-    """Let the loop run until nothing is added; return what each of its turns added."""
+    """Let the loop run until nothing is added. Return what each of its turns added."""
     seen = []
     while True:
         before = len(log)
@@ -64,7 +64,7 @@ def test_a_turn_and_the_slice_that_exceeds_it_are_far_below_the_5_ms_that_others
     assert TURN_NS == 500_000
 
 
-async def test_what_takes_less_than_a_turn_is_done_at_once(slices: Slices, clock: Clock):
+async def test_work_of_less_than_a_turn_is_done_at_once(slices: Slices, clock: Clock):
     log: list[str] = []
     slices.begin(Job(clock, "a", STEPS_A_TURN - 1, log))
     assert log == ["a"] * (STEPS_A_TURN - 1)

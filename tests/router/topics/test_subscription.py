@@ -62,7 +62,7 @@ def test_changed_options_keep_what_waits():
     assert waiting(subscription) == [b"1"]
 
 
-async def test_what_a_throttle_holds_passes_at_the_end_of_its_interval(
+async def test_an_entry_that_a_throttle_holds_passes_at_the_end_of_its_interval(
     monkeypatch: pytest.MonkeyPatch,
 ):
     clock = StoppedClock(monkeypatch)
@@ -75,7 +75,7 @@ async def test_what_a_throttle_holds_passes_at_the_end_of_its_interval(
     assert waiting(subscription) == [b"2"]
 
 
-async def test_what_a_throttle_queues_passes_one_by_one_until_nothing_waits():
+async def test_entries_that_a_throttle_queues_pass_one_by_one_until_nothing_waits():
     subscription = subscribed(throttle_rate=5, queue_length=10)
     seen: list[bytes] = []
 
@@ -116,7 +116,7 @@ async def test_the_same_throttle_goes_on():
     subscription.close()
 
 
-async def test_what_was_cleared_or_closed_is_not_delivered():
+async def test_entries_of_a_cleared_or_closed_queue_are_not_delivered():
     subscription = subscribed(throttle_rate=3_600_000)
     offer(subscription, 1, 1000 * MS)
     offer(subscription, 2, 1001 * MS)

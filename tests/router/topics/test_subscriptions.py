@@ -210,7 +210,7 @@ async def test_a_queue_is_no_longer_than_its_limit(bench: Bench):
     assert {each.options.queue_length for each in bench.router._subscriptions._all()} == {1024}
 
 
-async def test_a_depth_beyond_what_dds_keeps_is_no_reason_to_refuse(bench: Bench):
+async def test_a_depth_larger_than_dds_keeps_is_accepted(bench: Bench):
     client = bench.client()
     client.send(op="subscribe", topic="/t", type=STRING, qos={"depth": 5000})
     client.send(op="advertise", topic="/u", type=STRING, qos={"depth": 5000})
@@ -219,7 +219,7 @@ async def test_a_depth_beyond_what_dds_keeps_is_no_reason_to_refuse(bench: Bench
     assert bench.ros.entity_count() == 3
 
 
-async def test_what_a_subscription_names_comes_back_truncated(bench: Bench):
+async def test_names_in_a_subscription_come_back_truncated(bench: Bench):
     client = bench.client()
     client.send(op="subscribe", topic="/a", type=STRING, compression="x" * 200)
     client.send(op="subscribe", topic="/b", type=STRING, fields=["x" * 200])
@@ -277,7 +277,7 @@ async def test_a_broken_sample_is_reported_once_and_harms_nothing(bench: Bench):
     assert [code for code, _ in client.statuses] == ["invalid_value"]
 
 
-async def test_what_a_paused_client_loses_is_never_decoded(bench: Bench):
+async def test_samples_that_a_paused_client_loses_are_never_decoded(bench: Bench):
     bench.ros.add_publisher("/chatter", STRING)
     client = bench.client()
     client.send(op="subscribe", topic="/chatter", queue_length=1)
@@ -339,7 +339,7 @@ async def test_a_throttled_topic_with_a_queue_delivers_all_one_per_interval(benc
     assert [message["data"] for message in client.messages] == list("012345")
 
 
-async def test_what_a_throttle_skips_counts_as_dropped(bench: Bench):
+async def test_samples_that_a_throttle_skips_count_as_dropped(bench: Bench):
     bench.ros.add_publisher("/chatter", STRING)
     client = bench.client()
     client.send(op="subscribe", topic="/chatter", throttle_rate=50, meta=True)
@@ -381,7 +381,7 @@ async def test_a_former_interval_does_not_cut_the_new_one_short(bench: Bench):
     one.send(op="subscribe", id="a", topic="/chatter", throttle_rate=3_600_000)
     for text in ("3", "4"):
         bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
-    await other.sees(2)  # by then the former interval is over, too
+    await other.sees(2)  # by then the former interval is also over
     await one.sees(3)
     assert [message["data"] for message in one.messages] == ["1", "2", "3"]
 
@@ -447,7 +447,9 @@ async def test_a_subscription_that_is_replaced_has_the_newest_word(bench: Bench)
         ({"fields": ["data"], "compression": "cbor-raw"}, "cbor-raw sends whole messages"),
     ],
 )
-async def test_fields_are_checked_beside_a_subscription_to_everything(bench: Bench, options, words):
+async def test_fields_are_checked_next_to_a_subscription_to_everything(
+    bench: Bench, options, words
+):
     client = bench.client()
     client.send(op="subscribe", id="all", topic="/t", type=STRING)
     client.send(**{"op": "subscribe", "id": "wrong", "topic": "/t", **options})
@@ -496,7 +498,7 @@ async def test_raw_pixels_and_single_fields_of_an_image_come_when_asked_for(benc
     assert (await fields.sees(1))[0]["msg"] == {"width": 64}
 
 
-async def test_a_compressed_image_is_coded_anew_only_for_who_asks(bench: Bench):
+async def test_a_compressed_image_is_encoded_again_only_on_request(bench: Bench):
     kind = "sensor_msgs/msg/CompressedImage"
     bench.ros.add_publisher("/camera", kind)
     done, png = cv2.imencode(".png", np.zeros((48, 64, 3), np.uint8))
@@ -515,7 +517,7 @@ async def test_a_compressed_image_is_coded_anew_only_for_who_asks(bench: Bench):
     assert (message["format"], message["width"], message["height"]) == ("jpeg", 32, 24)
 
 
-async def test_what_is_no_picture_is_told_to_who_asks_for_one(bench: Bench):
+async def test_a_client_that_asks_for_a_picture_learns_why_there_is_no_picture(bench: Bench):
     kind = "sensor_msgs/msg/CompressedImage"
     bench.ros.add_publisher("/camera", kind)
     client = bench.client()
@@ -525,7 +527,7 @@ async def test_what_is_no_picture_is_told_to_who_asks_for_one(bench: Bench):
     assert client.statuses == [("invalid_value", "/camera: data is neither JPEG nor PNG")]
 
 
-async def test_who_asks_for_no_format_gets_that_of_its_connection(bench: Bench):
+async def test_the_default_format_is_that_of_the_connection(bench: Bench):
     bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
     usual, asking = bench.client(), bench.client()
     for client in (usual, asking):
@@ -601,7 +603,7 @@ async def test_a_late_client_gets_a_sample_of_each_latching_publisher(bench: Ben
     assert sorted(map(str, late.messages)) == sorted(map(str, early.messages))
 
 
-async def test_what_a_topic_kept_is_forgotten_once_it_is_volatile(bench: Bench):
+async def test_kept_samples_are_forgotten_once_the_topic_is_volatile(bench: Bench):
     latching = bench.ros.add_publisher("/map", STRING, LATCHED)
     latching.publish(bench.cdr(STRING, data="old"))
     early = bench.client()

@@ -123,7 +123,7 @@ def test_a_subscription_that_was_removed_gets_nothing(topic: Topic):
     assert (received(one), received(other)) == ([], ["x"])
 
 
-def test_what_ros_refuses_is_no_topic(ros: FakeRos, workers: Executor):
+def test_a_topic_that_ros_refuses_is_not_kept(ros: FakeRos, workers: Executor):
     with pytest.raises(RosError):
         open_topic(ros, workers, type_name="none_msgs/msg/None")
 
@@ -198,7 +198,7 @@ async def test_the_subscriptions_of_a_topic_end_with_it(ros: FakeRos, latched: T
     assert ros.subscriptions == []
 
 
-async def test_another_encoding_of_the_topic_is_no_reason_to_begin_anew(
+async def test_another_encoding_of_the_topic_does_not_restart_the_late_join(
     ros: FakeRos, latched: Topic
 ):
     late = join(latched)
@@ -225,7 +225,7 @@ async def test_after_its_late_join_a_subscription_shares_frames(
     await eventually(lambda: heard.texts == ["d"])
 
 
-async def test_where_ros_refuses_the_late_join_the_client_is_told(
+async def test_a_client_is_warned_if_ros_refuses_the_late_join(
     ros: FakeRos, latched: Topic, monkeypatch: pytest.MonkeyPatch
 ):
     def refuse(*_: object) -> None:
@@ -242,7 +242,7 @@ async def test_where_ros_refuses_the_late_join_the_client_is_told(
 
 
 def send_broken(topic: Topic, listener: Subscription, length: int = 100) -> list[Any]:
-    """Have a string arrive that is shorter than its length; return what the listener is told."""
+    """Have a string arrive that is shorter than its length. Return what the listener is told."""
     topic._on_samples([Sample(b"\0\1\0\0" + length.to_bytes(4, "little"), 0)])
     batches = [listener.session.outbox.take(1 << 20) for _ in range(2)]
     return [frame for batch in batches for wire in batch for frame in unpacked(wire)]
@@ -292,7 +292,7 @@ def test_a_slow_topic_keeps_its_rate_for_three_periods(
     assert topic.rate_hz(now_ns + 6 * SECOND + 1) == 0
 
 
-async def test_what_dds_has_lost_is_counted_and_its_numbers_are_left_out(
+async def test_samples_that_dds_lost_are_counted_and_their_numbers_left_out(
     ros: FakeRos, workers: Executor
 ):
     topic = open_topic(ros, workers, Qos(depth=3))
@@ -354,7 +354,7 @@ async def test_a_throttled_subscription_gets_the_newest_at_the_end_and_counts_th
     assert throttled.session.outbox.coalesced == 2
 
 
-def test_what_goes_at_once_is_timed_ten_times_a_second(
+def test_messages_that_go_at_once_are_timed_ten_times_a_second(
     topic: Topic, monkeypatch: pytest.MonkeyPatch
 ):
     one, busy = subscription(), subscription()

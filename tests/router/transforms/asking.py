@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What clients of tf2_web_republisher send, and what they get."""
+"""The requests of clients of tf2_web_republisher, and the answers."""
 
 from typing import Any
 

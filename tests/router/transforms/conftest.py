@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What publishes frames over the fake ROS, and a client."""
+"""A robot that publishes frames over the fake ROS, and a client."""
 
 from typing import Any
 
@@ -15,7 +15,7 @@ LATCHED = Qos(durability="transient_local")
 
 
 class Robot:
-    """What publishes the frames."""
+    """A publisher of frames."""
 
     def __init__(self, bench: Bench) -> None:
         self.bench = bench

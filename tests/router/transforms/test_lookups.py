@@ -100,9 +100,7 @@ async def test_a_time_of_zero_is_the_newest(robot: Robot, client: Socketless):
         ),
     ],
 )
-async def test_what_cannot_be_looked_up_is_told_in_words(
-    robot: Robot, client: Socketless, request_, code, words
-):
+async def test_a_failed_lookup_says_why(robot: Robot, client: Socketless, request_, code, words):
     robot.say(robot.fixed, "lens", "tripod", 0, 0.0)
     ask(client, rate=100)  # which keeps the buffer filled
     await robot.bench.settle()
@@ -179,7 +177,7 @@ async def test_one_who_joins_gets_at_once_what_the_others_have(robot: Robot, cli
     await robot.bench.settle()
     robot.drive(1, 1.0)
     other = robot.bench.client()
-    # the first look of a new pair is at once, too
+    # the first look of a new pair is also at once
     ask(other, id=2, rate=0.002)
     await other.sees(1, "lookup_transform")
     third = robot.bench.client()
@@ -200,7 +198,7 @@ async def test_a_repeated_lookup_sends_at_most_so_often(robot: Robot, client: So
         await quick.sees(sec, "lookup_transform")
     got = len(xs(client))
     assert 1 <= got <= 1 + (loop.time() - begin) * 20
-    # the last one, too, when it is time to
+    # also the last one, when it is due
     await eventually(lambda: (30, 1.0) in xs(client))
 
 
@@ -220,7 +218,7 @@ async def test_the_beat_of_a_repeated_lookup_does_not_drift_with_a_busy_loop(
     assert len(xs(client)) == 3
 
 
-async def test_who_waits_looks_again_after_a_pause_however_much_comes(
+async def test_a_waiting_lookup_looks_again_after_a_pause_however_much_comes(
     robot: Robot,
     client: Socketless,
     looks: list[tuple[str, str]],
@@ -251,7 +249,7 @@ async def test_a_lookup_without_a_timeout_waits_for_a_second(
     assert client.statuses == [("not_found", "frame 'odom' is unknown")]
 
 
-async def test_what_comes_late_is_sent_at_once_at_any_rate(robot: Robot, client: Socketless):
+async def test_a_late_transform_is_sent_at_once_at_any_rate(robot: Robot, client: Socketless):
     ask(client, rate=0.001, timeout=0)
     await client.sees(1, "status")
     robot.drive(1, 1.0)
@@ -297,7 +295,9 @@ async def test_nothing_is_looked_up_for_those_who_have_cancelled_or_left(
     assert set(looks) <= {("base_link", "laser")}
 
 
-async def test_what_is_missing_is_told_once_and_waited_for(robot: Robot, client: Socketless):
+async def test_a_missing_transform_is_reported_once_and_waited_for(
+    robot: Robot, client: Socketless
+):
     ask(client, id="pose", rate=200, timeout=0)
     [status] = await client.sees(1, "status")
     assert (status["level"], status["code"], status["id"]) == ("warning", "not_found", "pose")
@@ -308,7 +308,9 @@ async def test_what_is_missing_is_told_once_and_waited_for(robot: Robot, client:
     assert len(client.statuses) == 1
 
 
-async def test_what_is_missing_again_is_told_again(robot: Robot, client: Socketless):
+async def test_a_transform_that_is_missing_again_is_reported_again(
+    robot: Robot, client: Socketless
+):
     ask(client, rate=200, timeout=0)
     for count in (1, 2):
         await client.sees(count, "status")
@@ -327,7 +329,9 @@ async def test_nobody_hears_of_what_was_missing_after_cancelling(robot: Robot, c
     assert client.statuses == []
 
 
-async def test_what_is_missing_is_told_to_one_who_joins(robot: Robot, client: Socketless):
+async def test_a_missing_transform_is_reported_to_a_client_that_joins(
+    robot: Robot, client: Socketless
+):
     ask(client, rate=10, timeout=0)
     await client.sees(1, "status")
     other = robot.bench.client()
@@ -423,7 +427,7 @@ async def test_after_a_single_lookup_listening_ends_and_all_is_forgotten(
     robot.drive(5, 2.0)
     await client.sees(1, "lookup_transform")
     await eventually(lambda: not robot.subscriptions)
-    ask(client, target_frame="base_link", timeout=30)  # which is fixed, and told anew
+    ask(client, target_frame="base_link", timeout=30)  # it is static, and published again
     await client.sees(2, "lookup_transform")
     ask(client, timeout=0)
     await client.sees(1, "status")
@@ -455,7 +459,7 @@ async def test_when_the_clock_goes_back_what_moved_is_forgotten(robot: Robot, cl
     assert xs(client) == [(1000, 6.0), (2, 1.0)]
 
 
-async def test_what_is_no_transform_is_logged_once_and_harms_nothing(
+async def test_an_invalid_transform_is_logged_once_and_harms_nothing(
     robot: Robot, client: Socketless
 ):
     ask(client, rate=200)

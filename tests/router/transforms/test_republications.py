@@ -66,7 +66,7 @@ async def test_a_frame_is_sent_again_when_it_has_moved_by_more_than_the_threshol
     stage: Stage, client: Socketless
 ):
     await stage.begin(client)
-    # each step is below the threshold; what counts is the way since it was sent last
+    # each step is below the threshold. What counts is the way since it was sent last
     for sec, x in ((2, 0.3), (3, 0.5), (3, 0.6), (5, 1.0), (5, 1.2)):  # stamps may be equal
         await stage.drive(sec, x)
     assert [array["base_link"] for array in xs(transforms(client))] == [0.0, 0.6, 1.2]
@@ -94,7 +94,7 @@ async def test_only_the_frames_that_have_moved_are_sent(stage: Stage, client: So
     assert xs(transforms(client)) == [{"base_link": 0.0}, {"arm": 5.0}, {"base_link": 2.0}]
 
 
-async def test_what_moves_between_two_turns_comes_together(stage: Stage, client: Socketless):
+async def test_frames_that_move_between_two_turns_come_together(stage: Stage, client: Socketless):
     robot = stage.robot
     send_goal(client, rate=10)
     await stage.step(0)
@@ -179,7 +179,7 @@ async def test_a_slow_client_gets_the_newest_of_every_frame_in_one_message(
     assert xs(transforms(client)) == [{"arm": 5.0, "base_link": 4.0}]
 
 
-async def test_what_an_outbox_without_room_drops_comes_with_what_moves_next(
+async def test_frames_that_a_full_outbox_drops_come_with_the_next_ones(
     stage: Stage, client: Socketless
 ):
     await stage.begin(client, source_frames=["base_link", "arm"])
@@ -266,7 +266,7 @@ async def test_of_many_frames_that_were_not_sent_eight_are_looked_at_for_the_rea
     buffer = SimpleNamespace(lookup=lambda target, source: looks.append(source))
     key = republications.ArrayKey("odom", tuple(map(str, range(1000))), 1.0, 0.0, 0.0)
     array = republications._SharedArray(key, buffer)  # type: ignore[arg-type]
-    assert array.reason(array.missing()) is None  # each has come meanwhile
+    assert array.reason(array.missing()) is None  # each has come since
     assert looks == list("01234567")
     array.stop()
 
@@ -299,7 +299,7 @@ async def test_arrays_are_limited_per_client(robot: Robot, client: Socketless):
 
 
 @pytest.mark.parametrize(("look_s", "is_split"), [(0.0039, False), (0.0041, True)])
-async def test_what_does_not_fit_into_a_slice_of_4_ms_goes_on_in_the_next_turn_of_the_loop(
+async def test_work_beyond_a_slice_of_4_ms_goes_on_in_the_next_turn_of_the_loop(
     stage: Stage,
     client: Socketless,
     looks: list[tuple[str, str]],
@@ -374,7 +374,7 @@ async def test_the_time_that_is_spent_is_that_of_looking_up_and_each_client_pays
     assert sum(spent_s) == pytest.approx(0.001)
 
 
-async def test_who_is_refused_leaves_nothing_behind(bench: Bench, client: Socketless):
+async def test_a_refused_request_leaves_nothing_behind(bench: Bench, client: Socketless):
     def refuse(*_: Any) -> Any:
         raise RosError("internal", "no room")
 

@@ -130,7 +130,7 @@ async def test_a_node_that_provides_the_action_gets_the_goals(bench: Bench, clie
     assert len(client.of("action_result")) == 1
 
 
-async def test_the_goals_of_one_client_are_none_of_another_s(robot: Robot, client: Socketless):
+async def test_a_client_does_not_see_the_goals_of_another(robot: Robot, client: Socketless):
     other = robot.bench.client()
     send_goal(client)
     other.send(op="cancel_action_goal", id="goal", action=ACTION)
@@ -154,7 +154,7 @@ def viewer(bench: Bench, **config: Any) -> Socketless:
     return bench.client(identity=Identity("tablet", policy.of("viewer")))
 
 
-async def test_who_may_subscribe_to_transforms_may_send_a_goal(robot: Robot):
+async def test_a_role_with_transforms_may_send_a_goal(robot: Robot):
     client = viewer(robot.bench)
     send_goal(client)
     await robot.bench.settle()
@@ -162,7 +162,7 @@ async def test_who_may_subscribe_to_transforms_may_send_a_goal(robot: Robot):
     await client.sees(1, "action_feedback")
 
 
-async def test_who_may_not_subscribe_to_transforms_may_send_no_goal(robot: Robot):
+async def test_a_role_without_transforms_may_send_no_goal(robot: Robot):
     client = viewer(robot.bench, deny_subscribe=("/tf",))
     send_goal(client)
     [result] = client.of("action_result")
@@ -170,7 +170,7 @@ async def test_who_may_not_subscribe_to_transforms_may_send_no_goal(robot: Robot
     assert robot.subscriptions == []
 
 
-async def test_who_has_not_authenticated_may_send_no_goal(robot: Robot):
+async def test_a_client_without_its_token_may_send_no_goal(robot: Robot):
     client = robot.bench.client(identity=None)
     send_goal(client)
     [result] = client.of("action_result")

@@ -96,7 +96,7 @@ async def test_goals_end_with_the_last_subscription_to_their_feedback(
     assert client.statuses == [("not_found", f"not subscribed to {FEEDBACK}")]
 
 
-async def test_who_subscribes_after_the_goal_gets_all_frames(robot: Robot, client: Socketless):
+async def test_a_subscription_after_the_goal_gets_all_frames(robot: Robot, client: Socketless):
     send(client)
     other = robot.bench.client()
     begin(other)
@@ -149,7 +149,7 @@ async def test_when_a_client_leaves_its_goals_end_and_another_s_go_on(
     assert other.messages == []
 
 
-async def test_where_ros_has_a_topic_for_goals_that_is_used(bench: Bench, client: Socketless):
+async def test_a_topic_of_ros_for_goals_is_used(bench: Bench, client: Socketless):
     bench.ros.add_subscription(f"{ACTION}/goal", "std_msgs/msg/String", lambda _: None)
     client.send(op="publish", topic=f"{ACTION}/goal", msg={"data": "x"})
     client.send(op="subscribe", topic=FEEDBACK, type="std_msgs/msg/String")
@@ -158,7 +158,9 @@ async def test_where_ros_has_a_topic_for_goals_that_is_used(bench: Bench, client
     assert (counts["publishers"], counts["subscriptions"]) == (1, 1)
 
 
-async def test_what_has_begun_goes_on_when_such_a_topic_appears(robot: Robot, client: Socketless):
+async def test_a_goal_that_began_goes_on_when_such_a_topic_appears(
+    robot: Robot, client: Socketless
+):
     begin(client)
     send(client)
     robot.bench.ros.add_subscription(f"{ACTION}/goal", "std_msgs/msg/String", lambda _: None)
