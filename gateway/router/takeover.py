@@ -41,5 +41,5 @@ def warn_of_others(
     # a client that may not see a node does not get its name
     seen = [node for node in nodes if session.sees(node)][:MAX_NAMED]
     who = " and ".join(seen) or "a ROS node"
-    text = f"{who} also provides {subject}, so both answer each call: choose another name"
+    text = f"{subject} is also provided by {who}, so both answer each call: choose another name"
     session.warn(ProtocolError("already_provided", text), op, request_id)

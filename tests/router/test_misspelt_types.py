@@ -89,7 +89,7 @@ async def test_the_type_of_a_call_is_refused_with_the_one_that_the_service_has(b
     client.send(op="call_service", service="/arm", type="set_bool", args={"data": True})
     first, second = client.of("service_response")
     assert first["values"] == (
-        "service /arm has type std_srvs/srv/SetBool, not std_srvs/srv/SetBol; "
+        "service /arm has type std_srvs/srv/SetBool, not std_srvs/srv/SetBol: "
         "use its type, or leave it out"
     )
     assert second["values"].endswith("did you mean std_srvs/srv/SetBool?")

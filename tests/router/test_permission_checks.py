@@ -115,7 +115,7 @@ async def test_a_local_page_watches_and_calls_but_does_not_drive(bench: Bench) -
     page.send(op="call_service", id=2, service="/go/_action/send_goal")
     page.send(op="publish", id=3, topic="/cmd_vel", type="geometry_msgs/msg/Twist", msg={})
     forbidden = (
-        "requires role operator or admin, and this client is page;"
+        "requires role operator or admin, and this client is page:"
         " to let this page do more, add its origin to the setting allowed_origins"
     )
     refused = {frame["id"]: frame for frame in page.frames if "id" in frame}

@@ -229,7 +229,7 @@ async def test_an_action_that_a_node_provides_gets_a_warning_and_is_provided(ben
     client.send(op="advertise_action", action="fib", type=FIBONACCI)
     ((code, text),) = client.statuses
     assert code == "already_provided"
-    assert text.startswith("/robot also provides action /fib, ")
+    assert text.startswith("action /fib is also provided by /robot, ")
     assert bench.router.counts()["action_servers"] == 1
 
 

@@ -181,8 +181,8 @@ async def test_goals_of_one_client_have_different_ids_and_a_limit(bench: Bench) 
         client.send(op="send_action_goal", id=number, action="/fib", args=[3])
     refused = client.of("action_result")
     assert [frame["id"] for frame in refused] == [0, LIMITS.max_goals]
-    assert "under way already" in refused[0]["values"]
-    assert f"at most {LIMITS.max_goals} goals" in refused[1]["values"]
+    assert "already in use" in refused[0]["values"]
+    assert f"at most {LIMITS.max_goals} unfinished goals" in refused[1]["values"]
 
 
 async def test_cancelling_an_unknown_goal_is_refused(bench: Bench) -> None:

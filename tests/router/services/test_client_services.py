@@ -319,7 +319,7 @@ async def test_a_service_that_a_node_provides_gets_a_warning_and_is_provided(ben
     client.send(op="advertise_service", id=1, service="arm", type=SET_BOOL)
     (warning,) = client.frames
     assert (warning["level"], warning["code"], warning["id"]) == ("warning", "already_provided", 1)
-    assert warning["msg"].startswith("/robot also provides service /arm, ")
+    assert warning["msg"].startswith("service /arm is also provided by /robot, ")
     assert bench.router.counts()["services"] == 1
 
 
@@ -346,5 +346,5 @@ async def test_a_warning_names_few_nodes_and_none_that_is_hidden(bench: Bench) -
     for service in ("arm", "leg"):
         client.send(op="advertise_service", service=service, type=SET_BOOL)
     arm, leg = (text for _, text in client.statuses)
-    assert "provided by /robot0 and /robot1 and /robot2 and /robot3, too" in arm
-    assert "provided by a ROS node, too" in leg
+    assert "also provided by /robot0 and /robot1 and /robot2 and /robot3, so" in arm
+    assert "also provided by a ROS node, so" in leg
