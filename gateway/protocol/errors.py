@@ -84,7 +84,7 @@ EXPLANATIONS: Final[Mapping[StatusCode, Explanation]] = {
     ),
     "invalid_value": Explanation(
         "A message does not fit its type.",
-        "A field is unknown, has the wrong type, or is out of range, or a picture is damaged. As a"
+        "A field is unknown, has the wrong type, or is out of range, or an image is damaged. As a"
         " warning: the gateway cannot read a message from ROS.",
         "Correct the field that `msg` names. [`describe`](protocol/introspection.md#describe)"
         " shows all fields of a type.",

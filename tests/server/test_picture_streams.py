@@ -340,7 +340,7 @@ async def test_viewers_are_neither_half_open_nor_do_they_take_the_pages_of_metri
         (f"/snapshot?topic={CAMERA}&fps=3", 400, "fps: unknown; known are topic, type"),
         (f"/stream?topic={CAMERA}" + "&t=1" * 16, 400, "too many parameters: send at most 16"),
         ("/stream?topic=/camera/image", 404, f"did you mean {CAMERA}?"),
-        ("/snapshot?topic=/odom", 400, "topic /odom is nav_msgs/msg/Odometry, but pictures are"),
+        ("/snapshot?topic=/odom", 400, "topic /odom is nav_msgs/msg/Odometry, but images are"),
         (f"/stream?topic={CAMERA}&token=r2g_x", 400, "a token must not be in the address"),
     ],
 )

@@ -106,7 +106,7 @@ class Publications:
         else:
             self._check_type(topic, known, request.type)
             if request.has_pictures != known.has_pictures:
-                form = "pictures" if known.has_pictures else "plain messages"
+                form = "images" if known.has_pictures else "plain messages"
                 raise ProtocolError("type_conflict", f"topic {topic} is advertised for {form}")
         known.ids.add(request.id)
 

@@ -46,7 +46,7 @@ class PublishedPictures:
             ProtocolError: it is of neither images nor maps.
         """
         if message_type.name not in {IMAGE, GRID}:
-            text = f"image: {message_type.name} is not a picture type, use {IMAGE} or {GRID}"
+            text = f"image: {message_type.name} is not an image type, use {IMAGE} or {GRID}"
             raise ProtocolError("bad_request", text)
 
     def publish(

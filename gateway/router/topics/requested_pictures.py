@@ -42,11 +42,11 @@ def why_plain(request: Subscribe, options: SubscriptionOptions, type_name: str) 
     if request.image is None or not request.image.asks_for_picture or options.image.format == "raw":
         return ""
     if type_name not in {IMAGE, COMPRESSED_IMAGE, GRID}:
-        why = f"{type_name} cannot be sent as pictures"
+        why = f"{type_name} cannot be sent as images"
     elif options.compression == "cbor-raw":
-        why = "cbor-raw cannot be sent as pictures"
+        why = "cbor-raw cannot be sent as images"
     elif options.fields is not None:
-        why = "with fields, pictures are not available"
+        why = "with fields, images are not available"
     else:
         why = "the default format is raw, and image names no other"
     return f"image: {why}, sending plain messages"

@@ -137,9 +137,7 @@ class Subscriptions:
             hint = _topic_meant(name, self._ros.graph(), session)
             raise ProtocolError("not_found", f"topic {name} is not known{hint}")
         if message_type.name not in {IMAGE, COMPRESSED_IMAGE}:
-            text = (
-                f"topic {name} is {message_type.name}, but pictures are {IMAGE} or CompressedImage"
-            )
+            text = f"topic {name} is {message_type.name}, but images are {IMAGE} or CompressedImage"
             raise ProtocolError("bad_type", text)
         self.subscribe(session, request)
 

@@ -164,14 +164,14 @@ async def test_only_images_are_made_of_pictures(bench: Bench):
     client = bench.client()
     client.send(op="advertise", topic="/cmd_vel", type=TWIST, image={"format": "jpeg"})
     assert client.statuses == [
-        ("bad_request", f"image: {TWIST} is not a picture type, use {IMAGE} or {GRID}")
+        ("bad_request", f"image: {TWIST} is not an image type, use {IMAGE} or {GRID}")
     ]
     client = bench.client()
     client.send(op="advertise", topic="/a", type="std_msgs/String", image={"format": "jpeg"})
     client.send(op="advertise", topic="/b", type=IMAGE, image={"format": "gif"})
     client.send(op="advertise", topic="/b", type=IMAGE, image={})
     of_string, gif, missing = client.statuses
-    text = f"image: std_msgs/msg/String is not a picture type, use {IMAGE} or {GRID}"
+    text = f"image: std_msgs/msg/String is not an image type, use {IMAGE} or {GRID}"
     assert of_string == ("bad_request", text)
     assert gif[0] == "bad_request"
     assert gif[1].startswith("image.format: expected 'jpeg', ")
@@ -182,7 +182,7 @@ async def test_only_images_are_made_of_pictures(bench: Bench):
 async def test_an_advertisement_takes_one_or_the_other(bench: Bench):
     client = advertising(bench)
     client.send(op="advertise", topic=TOPIC, type=IMAGE)
-    assert client.statuses == [("type_conflict", f"topic {TOPIC} is advertised for pictures")]
+    assert client.statuses == [("type_conflict", f"topic {TOPIC} is advertised for images")]
     heard = listen(bench, "/raw")
     client.send(op="advertise", topic="/raw", type=IMAGE, image={"format": "raw"})
     client.send(op="advertise", topic="/raw", type=IMAGE)

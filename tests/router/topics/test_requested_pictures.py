@@ -164,10 +164,10 @@ async def test_a_request_for_pictures_without_effect_gets_a_warning(bench: Bench
     assert statuses == [
         ("bad_request", f"image: {why}, sending plain messages")
         for why in (
-            "nav_msgs/msg/Odometry cannot be sent as pictures",
-            "with fields, pictures are not available",
+            "nav_msgs/msg/Odometry cannot be sent as images",
+            "with fields, images are not available",
             "the default format is raw, and image names no other",
-            "cbor-raw cannot be sent as pictures",
+            "cbor-raw cannot be sent as images",
         )
     ]
 
