@@ -31,7 +31,11 @@ NOT_OURS = (
 )
 SKIPPED_FOLDERS = {"node_modules", "__pycache__", "dist", "build", "site", "fixtures"}
 # The strings of these are texts that a user meets.
-HAVE_TEXTS = ("gateway/", "gateway_sim/", "unity_client/Runtime/", "unity_client/Editor/")
+HAVE_TEXTS = (
+    *("gateway/", "gateway_sim/", "schemas/", "tools/"),
+    *("unity_client/Runtime/", "unity_client/Editor/"),
+)
+HAVE_TEMPLATES = "schemas/generate/"
 ENDINGS = (".md", ".py", ".js", ".mjs", ".cs", ".css", ".html", ".sh", "Makefile", "Dockerfile")
 
 
@@ -56,7 +60,7 @@ def _is_skipped(name: str) -> bool:
 
 def blocks_of(name: str, source: str) -> list[Block]:
     """Return what a person reads in a file."""
-    has_texts = name.startswith(HAVE_TEXTS)
+    has_texts = name.startswith(HAVE_TEXTS) and not name.startswith(HAVE_TEMPLATES)
     match name.rpartition(".")[2]:
         case "md":
             return markdown_blocks(source)

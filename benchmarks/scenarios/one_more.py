@@ -38,7 +38,7 @@ _ROOM: Final = {
 
 def measure(plan: Plan) -> list[Figure]:
     """Print a table and return the figures."""
-    print(f"{_TOPICS} topics of one client, {_CONNECTIONS} connections; memory and time of each")
+    print(f"{_TOPICS} topics of one client, {_CONNECTIONS} connections: memory and time of each")
     print(f"  {'':16}{'':16}{'KB':>7}{'ms to open':>12}{'% of a core':>13}{'KB in a node':>14}")
     return [
         figure

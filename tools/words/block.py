@@ -49,7 +49,7 @@ _ADDRESS = re.compile(r"<?\b(?:https?|wss?|file)://[^\s>)]*>?")
 _TAG = re.compile(r"</?[a-zA-Z][^<>]*>")
 _ENTITY = re.compile(r"&(?:#\w+|\w+);")
 _QUOTE = re.compile(r"(?<![\w])\"[^\"]{1,400}?\"(?!\w)|“[^”]{1,400}”", re.DOTALL)
-_FIELD = re.compile(r"%\(\w+\)[sd]|%[sd]")
+_FIELD = re.compile(r"%\(\w+\)[sd]|%[sd]|(?<![\w-])--[a-z][\w-]*")  # also an option
 
 
 def plain(text: str) -> str:
