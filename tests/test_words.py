@@ -155,7 +155,7 @@ def test_the_record_only_falls():
 def test_the_record_is_sorted_and_leaves_out_what_is_zero():
     text = as_toml({"b.md": {"line": 1, "avoid": 2}, "a.md": {"line": 0}})
 
-    assert text.endswith('\n["b.md"]\navoid = 2\nline = 1\n')
+    assert text.endswith('\n"b.md" = { avoid = 2, line = 1 }\n')
     assert "a.md" not in text
 
 

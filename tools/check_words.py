@@ -118,9 +118,9 @@ def as_toml(record: dict[str, dict[str, int]]) -> str:
     """Return the text of the record, without counts of 0."""
     lines = ["# How often each file breaks a rule of the words. `make docs` lowers it.\n"]
     for name, rules in sorted(record.items()):
-        entries = [f"{rule} = {number}\n" for rule, number in sorted(rules.items()) if number]
+        entries = [f"{rule} = {number}" for rule, number in sorted(rules.items()) if number]
         if entries:
-            lines.append(f'\n["{name}"]\n{"".join(entries)}')
+            lines.append(f'"{name}" = {{ {", ".join(entries)} }}\n')
     return "".join(lines)
 
 
