@@ -11,7 +11,7 @@ namespace Ros2Gateway.Editor
 {
     /// <summary>
     /// The files of generated messages in a folder of the project, by the rules of
-    /// <c>ros2-gateway generate</c>: a file that was generated is written again, one of anybody else is never touched.
+    /// <c>ros2-gateway generate</c>. A generated file is written again. Other files are never touched.
     /// </summary>
     public sealed class GeneratedMessages
     {

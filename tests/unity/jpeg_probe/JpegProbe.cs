@@ -5,7 +5,7 @@ using System.Text;
 using Ros2Gateway.Pictures;
 
 /// <summary>
-/// Answers lines on standard input, each "decode", a space and a JPEG as base64, with its own line: "="
+/// Answers lines on standard input, each "decode", a space and a JPEG as base64, with its own line. "="
 /// and, as base64, width and height (four bytes each, lowest first) and the pixels. Or "!" and the text of the
 /// JpegFormatException, "not supported: " before it if it is that. Or "?" and any other exception. An empty line
 /// asks for the answers so far. One decoder reads all pictures.

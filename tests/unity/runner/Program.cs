@@ -7,9 +7,10 @@ using UnityEngine.Stage;
 
 namespace Ros2Gateway.Runner
 {
-    /// <summary>Runs the NUnit tests of an assembly as Unity's Test Framework does: on the main thread, in
-    /// its player loop. <c>runner TESTS.dll [PART-OF-A-NAME]</c> prints a line per test and exits by the
-    /// result. <c>--List</c> prints the names as JSON. <c>--Serve</c> runs what it reads.</summary>
+    /// <summary>Runs the NUnit tests of an assembly as Unity's Test Framework does, on the main thread, in
+    /// its player loop.</summary>
+    /// <remarks><c>runner TESTS.dll [PART-OF-A-NAME]</c> prints a line per test and exits by the
+    /// result. <c>--List</c> prints the names as JSON. <c>--Serve</c> runs the tests that it reads.</remarks>
     public static class Program
     {
         private const double TestTimeoutS = 240;  // a deadlock takes longer, and a busy machine does not

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
  * A page with the gateway's .jslib, driven line by line: `State 1` calls Ros2GatewaySocketState(1) and prints
- * what it returns. `b:` and base64 stands for a pointer to such bytes, `o:` and a capacity for one to a
- * buffer, of which as many bytes as the function returned are printed behind its result.
+ * its result. `b:` and base64 stands for a pointer to such bytes. `o:` and a capacity stands for a pointer to a
+ * buffer. As many of its bytes as the function returned are printed behind its result.
  *
  * usage: node --experimental-websocket page.mjs LIBRARY [shared|high]
  */

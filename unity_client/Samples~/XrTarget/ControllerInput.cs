@@ -6,7 +6,7 @@ using UnityEngine.XR;
 namespace Ros2Gateway.Samples.XrTarget
 {
     /// <summary>
-    /// The controllers of a headset by Unity's own XR input, so with every plug-in: trigger, grip, and a
+    /// The controllers of a headset by Unity's own XR input, so with every plug-in. Trigger, grip, and a
     /// touchpad that is clicked (Vive) or a stick that is clicked or pushed ahead (Quest). The hand that
     /// pressed last points.
     /// </summary>

@@ -291,8 +291,8 @@ namespace Ros2Gateway.Unity.Tests
                 () => driver.Control.Motion == RobotMotion.Moving && driver.Control.Holder == ControlHolder.You
                     && _scene.Heard.FindAll(one => one.linear > 0).Count > 2,
                 "to drive",
-                // again now and then: on a busy machine a key may be down before the driver knows of its connection, or
-                // of a deadline that was missed, and then has to be let go of
+                // again now and then. On a busy machine a key may be down before the driver knows of its connection, or
+                // of a missed deadline. Then it has to be let go of
                 () => _keys.Held = ++frames % PressedAnewFrames == 0 ? DriveKeys.None : DriveKeys.Forward);
             _keys.Held = DriveKeys.Forward;
             yield return null; // the driver looks at it once in a frame

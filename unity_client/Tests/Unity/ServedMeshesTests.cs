@@ -13,8 +13,8 @@ using Object = UnityEngine.Object;
 namespace Ros2Gateway.Unity.Tests
 {
     /// <summary>
-    /// Meshes of a robot that its gateway serves: package://rogue/N.stl has N triangles with the corners (0, 0, n),
-    /// (1, 0, n) and (0, 2, n), for the nth fetch of the connection. red.dae has that of 1, in red.
+    /// Meshes of a robot that its gateway serves. The file package://rogue/N.stl has N triangles. For the nth fetch
+    /// their corners are (0, 0, n), (1, 0, n) and (0, 2, n). The file red.dae has the triangle of 1, in red.
     /// </summary>
     [TestFixture]
     public sealed class ServedMeshesTests

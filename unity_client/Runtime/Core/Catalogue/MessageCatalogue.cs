@@ -11,8 +11,8 @@ namespace Ros2Gateway.Messages
     /// <remarks>
     /// Makes the messages that a scene names by text, so this class, like the classes that it lists, is one per process.
     /// A build in which nobody calls <see cref="Create"/> has only the package's classes that its code uses. The
-    /// components for any topic call it. With the scripting define <c>ROS2GATEWAY_REGISTERED_MESSAGES</c> they,
-    /// too, know registered classes alone.
+    /// components for any topic call it. With the scripting define <c>ROS2GATEWAY_REGISTERED_MESSAGES</c> they
+    /// also know only registered classes.
     /// </remarks>
     public static class MessageCatalogue
     {

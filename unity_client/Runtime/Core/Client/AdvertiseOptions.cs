@@ -10,7 +10,7 @@ namespace Ros2Gateway
         /// <summary>
         /// How many messages may wait for the network from frame to frame, before the oldest is dropped. Messages
         /// of the last two frames wait in addition, up to 1024 messages and 1 MiB. 1 is always the
-        /// newest alone, and so it is on a topic that moves a robot, whatever this says: a command that waited is a
+        /// newest alone, and so it is on a topic that moves a robot, whatever this says. A command that waited is a
         /// command for a robot that is elsewhere by now.
         /// </summary>
         public int Queue = DefaultQueue;

@@ -5,8 +5,8 @@ using Ros2Gateway.Json;
 namespace Ros2Gateway
 {
     /// <summary>
-    /// Asks for the chunks of an asset, one after the other, and puts them together: where frames are read, as a chunk
-    /// in each frame of the application would take long.
+    /// Asks for the chunks of an asset, one after the other, and puts them together, on the thread that reads
+    /// frames. A chunk in each frame of the application would take long.
     /// </summary>
     internal sealed class AssetFetch
     {

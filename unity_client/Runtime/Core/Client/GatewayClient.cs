@@ -213,7 +213,7 @@ namespace Ros2Gateway
 
         /// <summary>Subscribes to a topic whose messages are of type T.</summary>
         /// <param name="handler">Called by <see cref="Pump"/>. Null to take messages from the subscription.</param>
-        /// <param name="reuse">Whether messages, and their arrays where the length stays, are filled again: each is
+        /// <param name="reuse">Whether messages, and their arrays where the length stays, are filled again. Each is
         /// the handler's until the next one is handed out, and what it lacks is as in an earlier one.</param>
         public Subscription<T> Subscribe<T>(
             string topic, Action<T> handler = null, SubscribeOptions options = null, bool reuse = false)

@@ -35,7 +35,7 @@ namespace Ros2Gateway
         private const int RoleRemoved = 4403;
         private const int Normal = 1000; // RFC 6455, 7.4.1
 
-        // A server that accepts and stays silent costs a socket with each attempt, which .NET cannot take back: after
+        // A server that accepts and stays silent costs a socket with each attempt, which .NET cannot take back. After
         // so many in a row, a quarter of an hour, they become rare, 60 in an hour. Whether it accepted is not
         // told, so a robot that is out of reach counts like that as well.
         private const int ManyAttempts = 120;

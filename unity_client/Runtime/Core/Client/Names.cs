@@ -14,7 +14,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Writes a request or a goal, and the type that it belongs to: the gateway then carries out nothing of a service
+        /// Writes a request or a goal, and the type that it belongs to. The gateway then carries out nothing of a service
         /// or an action of another type, which would take fields that it does not find for zero.
         /// </summary>
         /// <param name="what">"request" or "goal".</param>

@@ -10,7 +10,7 @@ namespace Ros2Gateway
     /// <remarks>
     /// One frame at a time is with the transport, so what else waits can still be dropped for something
     /// newer. Requests go first. Queues take turns. Frames in the transport may wait on in the system's
-    /// buffers, where nothing can be dropped: so queues are held while the gateway leaves a ping unanswered,
+    /// buffers, where nothing can be dropped. So queues are held while the gateway leaves a ping unanswered,
     /// or a robot would carry out seconds of commands at once when a network comes back. Any thread.
     /// </remarks>
     internal sealed class Outbox

@@ -99,22 +99,22 @@ namespace Ros2Gateway
         internal bool IsDisposed { get; private set; }
 
         /// <summary>
-        /// Sends a message. False, and an event says why, if there is no connection, if the gateway has left a
-        /// ping unanswered for <see cref="GatewayOptions.FreshMilliseconds"/>, if it cannot be written, or if the
-        /// gateway has refused the topic, or what moves a robot, see <see cref="Refusal"/>. True does not promise
+        /// Sends a message. False, and an event says why, if there is no connection, if it cannot be written, or if
+        /// the gateway has refused the topic or the motion, see <see cref="Refusal"/>. Also false if the gateway has
+        /// left a ping unanswered for <see cref="GatewayOptions.FreshMilliseconds"/>. True does not promise
         /// that it leaves: while the network takes less than is published, the oldest that waits is dropped, see
         /// <see cref="AdvertiseOptions.Queue"/> and <see cref="DroppedChanged"/>.
         /// </summary>
         /// <remarks>
-        /// Nothing is kept for later: a robot must not carry out what was meant for another moment. What the
-        /// system's buffers hold when a network stalls does arrive late, if it comes back: so much as
-        /// FreshMilliseconds allow. Only a latched message is kept, and goes out again with each connection.
+        /// Nothing is kept for later: a robot must not carry out what was meant for another moment. If a
+        /// network stalls and comes back, the system's buffers do arrive late: as much as FreshMilliseconds
+        /// allow. Only a latched message is kept, and goes out again with each connection.
         /// The message may be changed afterwards.
         /// </remarks>
-        /// <param name="message">What is sent.</param>
+        /// <param name="message">The message.</param>
         /// <param name="evenLate">
-        /// For what is right whenever it arrives, a stop above all: it is taken while the gateway does not
-        /// answer as well, and goes when the network is back, if nothing newer has been published by then.
+        /// For messages that are right whenever they arrive, such as a stop. The client also accepts one while the gateway
+        /// does not answer. It goes when the network is back, if nothing newer has been published by then.
         /// </param>
         public bool Publish(IMessage message, bool evenLate = false)
         {

@@ -2,8 +2,8 @@
 namespace Ros2Gateway
 {
     /// <summary>
-    /// How many messages may wait in a queue: so many that are left over from frame to frame, and next to them all
-    /// that came within the last two frames of the application. The depth alone would cut every burst, as the
+    /// How many messages may wait in a queue. A number may be left over from frame to frame. All that
+    /// came within the last two frames of the application wait in addition. The depth alone would cut every burst, as the
     /// application looks once per frame. A depth of 1 is the newest alone.
     /// </summary>
     /// <remarks>A frame is one call of <see cref="Mailbox.Pump"/>. Its owner locks.</remarks>

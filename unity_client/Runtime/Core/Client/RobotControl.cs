@@ -64,8 +64,8 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Takes control, also from another client: first the gateway stops its robot. Commands keep it, zeros,
-        /// too. After two seconds without any it is free.
+        /// Takes control, also from another client: first the gateway stops its robot. Commands keep it, also
+        /// zeros. After two seconds without any it is free.
         /// </summary>
         public void Acquire(Action<Reply<ControlState>> done = null)
         {

@@ -127,7 +127,7 @@ namespace Ros2Gateway
             }
         }
 
-        // All to one topic: the gateway serves them by one stream with the shortest of their queues and the newest
+        // All to one topic. The gateway serves them by one stream with the shortest of their queues and the newest
         // one's pictures, so each has to ask for the longest and the largest. A message with the same
         // id it replaces.
         private void Send(Subscription[] subscriptions)

@@ -5,9 +5,9 @@ namespace Ros2Gateway
 {
     /// <summary>
     /// From <c>geometry_msgs</c> to vectors that know their frame, and back. The message does not say which
-    /// way its axes point, so the caller does: <c>msg.pose.position.As&lt;Flu&gt;().To&lt;Ruf&gt;()</c>. What
-    /// is sent is in ROS' own axes, so the way back takes <see cref="Flu"/> only. Nothing here allocates but
-    /// the methods that return a message.
+    /// way its axes point, so the caller does: <c>msg.pose.position.As&lt;Flu&gt;().To&lt;Ruf&gt;()</c>. Sent
+    /// messages are in ROS' own axes, so the way back takes <see cref="Flu"/> only. Only the methods that return a
+    /// message allocate.
     /// </summary>
     public static class MessageCoordinates
     {

@@ -5,7 +5,7 @@ using System.Globalization;
 namespace Ros2Gateway.Drive
 {
     /// <summary>
-    /// Drives a robot with two driven wheels to a point on the floor by its odometry, in steps: turn towards
+    /// Drives a robot with two driven wheels to a point on the floor by its odometry, in steps. Turn towards
     /// it, drive, turn again where the heading has drifted, until it is reached. Pure: time and pose are
     /// arguments, the command is the result, always finite and within the limits. Not for several threads.
     /// </summary>

@@ -38,7 +38,7 @@ namespace Ros2Gateway.Drive
         private double _sentTime;
 
         /// <summary>
-        /// Takes the speeds, m/s and rad/s, and how often a held key repeats, Hz: robots stop by themselves
+        /// Takes the speeds, m/s and rad/s, and how often a held key repeats, Hz. Robots stop by themselves
         /// after half a second of silence or so, and 15 Hz survives a few lost frames. Defaults as a
         /// TurtleBot3's.
         /// </summary>
@@ -79,7 +79,7 @@ namespace Ros2Gateway.Drive
         }
 
         /// <summary>
-        /// Lets go of everything, for the loss of focus, a pause or a disconnection: the next step gives zero
+        /// Lets go of everything, for the loss of focus, a pause or a disconnection. The next step gives zero
         /// where the robot was driving, and a key that is held counts again once it was released.
         /// </summary>
         public void Release()

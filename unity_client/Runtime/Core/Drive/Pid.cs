@@ -53,7 +53,7 @@ namespace Ros2Gateway.Drive
         }
 
         /// <summary>
-        /// The output for the error (setpoint minus measurement) at a time in seconds of any clock. Where
+        /// The output for the error (setpoint minus measurement) at a time in seconds of any clock. If
         /// that has stood still nothing is learned from the step. If it went back, or on by more than half
         /// a second, the past is forgotten. 0 for an error or a time that is not finite.
         /// </summary>

@@ -5,7 +5,7 @@ using System.Text;
 namespace Ros2Gateway.Json
 {
     /// <summary>
-    /// Reads CBOR (RFC 8949) as a gateway sends it in the place of JSON: lengths that are stated, maps with texts
+    /// Reads CBOR (RFC 8949) as a gateway sends it in the place of JSON. Lengths that are stated, maps with texts
     /// as keys, byte strings for octets, typed arrays (RFC 8746, little-endian) for numbers. Used like its base.
     /// </summary>
     public sealed partial class CborReader : JsonReader

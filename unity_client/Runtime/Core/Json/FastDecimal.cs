@@ -4,9 +4,9 @@ using System;
 namespace Ros2Gateway.Json
 {
     /// <summary>
-    /// The double nearest to a decimal number, by one multiplication or two: the algorithm of Eisel and
-    /// Lemire (Lemire, Number Parsing at a Gigabyte per Second, 2021), which needs no way out (Mushtak and
-    /// Lemire, Fast Number Parsing Without Fallback, 2022) but for powers that the table has not. Numbers of
+    /// The double nearest to a decimal number, by one multiplication or two. This is the algorithm of Eisel and
+    /// Lemire (Lemire, Number Parsing at a Gigabyte per Second, 2021). It needs no fallback (Mushtak and
+    /// Lemire, Fast Number Parsing Without Fallback, 2022) except for powers that the table lacks. Numbers of
     /// up to 15 digits, which most float32 are, need only a division (Clinger, How to Read Floating Point
     /// Numbers Accurately, 1990).
     /// </summary>

@@ -31,8 +31,8 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// Reads an array of integers, or the pixels of a PNG that comes in its place: so the cells of a map take a small
-        /// part of the array's size, and a subscription that asks for it gets it for all of its client's to the topic.
+        /// Reads an array of integers, or the pixels of a PNG that comes in its place. So the cells of a map take a small
+        /// part of the array's size. One subscription that asks for a PNG gets it for all of its client's to the topic.
         /// </summary>
         /// <param name="length">How many there must be. -1 takes any number.</param>
         public sbyte[] ReadInt8s(int length = -1)
@@ -397,8 +397,8 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// Counts the elements of the array that was entered, by their commas: what is right for numbers is a
-        /// first guess for texts with commas, and never more than the bytes that are there.
+        /// Counts the elements of the array that was entered, by their commas. The count is right for numbers,
+        /// a first guess for texts with commas, and never more than the bytes that are there.
         /// </summary>
         internal virtual int RoomFor(int length)
         {

@@ -8,7 +8,7 @@ namespace Ros2Gateway.Json
     {
         private const long LargestExponent = 1000000000000; // no text is long enough to bring more back
 
-        // The number that was scanned last: its digits as they are, and its value as far as it fits,
+        // The number that was scanned last. Its digits as they are, and its value as far as it fits,
         // _mantissa * 10^_exponent. _isExact is false where digits other than 0 were left out of it.
         private int _numberStart;
         private bool _isNegative;

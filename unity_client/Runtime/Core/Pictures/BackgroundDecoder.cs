@@ -11,8 +11,8 @@ namespace Ros2Gateway.Pictures
     /// </summary>
     /// <remarks>
     /// Neither the thread that offers pictures waits for it (the one that reads frames, which other topics need)
-    /// nor the one that takes them. Buffers are used again, four at most (of a picture that waits, is decoded, is
-    /// ready, and was taken), so pictures of one size allocate nothing once there are so many.
+    /// nor the one that takes them. Buffers are used again, at most four: of a picture that waits, is decoded, is
+    /// ready, and was taken. So pictures of one size allocate nothing after that.
     /// </remarks>
     public sealed class BackgroundDecoder
     {

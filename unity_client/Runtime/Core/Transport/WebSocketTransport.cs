@@ -8,11 +8,11 @@ namespace Ros2Gateway
 {
     /// <summary>A transport on .NET's ClientWebSocket: editor, desktop players, Android and iOS.</summary>
     /// <remarks>
-    /// Its rules answer what ClientWebSocket does on Mono: a connection attempt cannot be cancelled (it is
-    /// abandoned instead, and keeps its socket for as long as the server keeps silent), pings are answered
-    /// only while a receive is pending (one always is), and after a local close a pending receive throws
-    /// (which is normal then). It reads each message in two parts, each by way of another thread: that is
-    /// what bounds the rate, at about 10,000 messages a second.
+    /// Its rules answer what ClientWebSocket does on Mono. A connection attempt cannot be cancelled: it is
+    /// abandoned instead, and keeps its socket for as long as the server stays silent. Pings are answered
+    /// only while a receive is pending, and one always is. After a local close a pending receive throws,
+    /// which is normal then. It reads each message in two parts, each by way of another thread: that
+    /// limits the rate, at about 10,000 messages a second.
     /// </remarks>
     public sealed class WebSocketTransport : ITransport
     {

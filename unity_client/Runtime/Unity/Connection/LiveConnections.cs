@@ -5,10 +5,10 @@ using UnityEngine;
 
 namespace Ros2Gateway.Unity
 {
-    /// <summary>The connections that live, over all scenes, and who is to hear when one comes or goes.</summary>
+    /// <summary>The connections that live, over all scenes, and the listeners for their coming and going.</summary>
     /// <remarks>
-    /// This is static, as a component that is enabled before there is any connection knows nobody who could tell it
-    /// of one, and Unity's own search finds what is there when it is asked: a component that waits would search all scenes in
+    /// This is static, because a component that is enabled before any connection knows nobody who could tell it
+    /// of one. Unity's own search finds only present objects, so a component that waits would search all scenes in
     /// every frame. It makes no connection, and holds none that is destroyed. The editor may keep static state from
     /// one Play to the next, so each begins without any.
     /// </remarks>

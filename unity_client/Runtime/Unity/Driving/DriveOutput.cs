@@ -98,9 +98,9 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Another number than before means that the connection is another, or the type: a connection that was lost
-        /// and made again between two frames is never seen as lost, and a key that is held when a robot comes up is
-        /// not to move it.
+        /// Another number than before means that the connection is another, or the type. A connection that was lost
+        /// and made again between two frames is never seen as lost. A key that is held when a robot comes up must
+        /// not move it.
         /// </summary>
         internal int Changes { get; private set; }
 

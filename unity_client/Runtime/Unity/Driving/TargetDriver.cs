@@ -15,9 +15,9 @@ namespace Ros2Gateway.Unity
 
     /// <summary>
     /// Drives a robot to a point of the scene by its odometry: it turns, then drives, as
-    /// <see cref="DriveToTarget"/> says. The target is given up and the robot told to stand when the window
-    /// loses the focus, the application pauses, the component is disabled, the connection is lost or the gateway
-    /// refuses to drive on. A new connection resumes nothing. A new target lets a robot that was stopped drive
+    /// <see cref="DriveToTarget"/> says. It drops the target and stops the robot when the window
+    /// loses the focus, the application pauses or the component is disabled. So it does when the connection is lost
+    /// or the gateway refuses to drive on. A new connection resumes nothing. A new target lets a robot that was stopped drive
     /// again.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Target Driver")]

@@ -10,7 +10,7 @@ namespace Ros2Gateway.Unity
 {
     /// <summary>Fetches the meshes of one robot from its gateway, and draws each where a small box stands for it.</summary>
     /// <remarks>
-    /// One file is fetched at a time, and the one before it read and drawn in the meantime: on a thread of the pool, where
+    /// One file is fetched at a time, and the one before it read and drawn in the meantime. On a thread of the pool, where
     /// there are threads, except the upload, of a part in each frame. A connection that is lost, or comes late, is
     /// waited for. A refused file is asked for again after the others, because the gateway may have been busy. Both
     /// end after three attempts for a file.

@@ -5,7 +5,7 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// The base of scenes that build themselves in an empty one: with a connection unless there is one, a floor, a light, a
+    /// The base of scenes that build themselves in an empty one. With a connection unless there is one, a floor, a light, a
     /// camera, a screen and a robot's digital twin.
     /// </summary>
     public abstract class DemonstrationScene : MonoBehaviour
