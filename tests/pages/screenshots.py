@@ -34,6 +34,8 @@ async def main() -> None:
         await page.goto(address)
         await page.wait_for_selector(".uplot")
         await page.wait_for_selector(".stick")
+        picture = await page.request.get(f"{address}snapshot?topic=/camera/image_raw")
+        (FOLDER / "camera.jpg").write_bytes(await picture.body())
         await speaker.send(
             op="send_action_goal", id="go", action="/navigate_to_pose", args=GOAL, keep=True
         )

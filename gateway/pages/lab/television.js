@@ -30,7 +30,7 @@ export class Television {
       this.#next = null;
       try {
         const type = format.includes("png") ? "image/png" : "image/jpeg";
-        // upside down, as a texture begins at the bottom and WebGL turns no bitmap
+        // upside down, because a texture begins at the bottom and WebGL does not turn bitmaps
         this.#put(await createImageBitmap(new Blob([data], { type }), { imageOrientation: "flipY" }));
       } catch (error) {
         this.#tell(`this image (${format}) cannot be shown: ${error.message}`);

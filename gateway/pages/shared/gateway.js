@@ -175,7 +175,7 @@ export class Gateway extends EventTarget {
     return this.#throttles.get(topic);
   }
 
-  /** Note the throttle of a topic, as the gateway makes one subscription of all. Return whether there is any. */
+  /** Note the throttle of a topic, because the gateway makes one subscription of all. Return whether there is any. */
   #merge(topic) {
     const throttles = this.#heard(topic).map(({ options }) => options.throttle_rate ?? 0);
     if (throttles.length) this.#throttles.set(topic, Math.min(...throttles));

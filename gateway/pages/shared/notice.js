@@ -8,7 +8,7 @@ import { element, find } from "./dom.js";
 const UNKNOWN = { state: null, isDriving: false };
 const untilDriving = ({ isDriving }) => isDriving;
 
-/** Return where it stands: above the page, as it would else move what a finger holds. A click or Escape takes it away. */
+/** Return where it stands: above the page, so that it does not move a control under a finger. A click or Escape closes it. */
 export function notice() {
   addEventListener("keydown", ({ key }) => key === "Escape" && tell(""));
   return element("p", { id: "notice", className: "notice", role: "alert", hidden: true, title: "Click or press Escape to close", onclick: () => tell("") });

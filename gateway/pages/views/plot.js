@@ -31,7 +31,7 @@ export class PlotView {
   /** @type {TreeView|null} of the numbers that can be plotted, until one is chosen */
   #choice = null;
   #labels = []; // of the legend, one for each curve
-  /** In pixels. To ask the element would lay out the page for each plot, as the one before has written its legend. */
+  /** In pixels. To ask the element would lay out the page for each plot, because the one before has written its legend. */
   #width = 0;
   #observer = new ResizeObserver((entries) => (this.#width = Math.floor(entries.at(-1).contentRect.width)));
 

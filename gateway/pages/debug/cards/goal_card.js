@@ -76,7 +76,7 @@ export class GoalCard extends FormCard {
   }
 }
 
-/** Write what comes of a goal, and bring it into view at first, as it stands below the fields. */
+/** Write the progress of a goal, and bring it into view at first, because it stands below the fields. */
 function write(place, text) {
   const isFirst = !place.textContent;
   place.textContent = text;

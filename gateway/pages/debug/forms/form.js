@@ -60,7 +60,7 @@ export class Form {
   }
 }
 
-/** The fields of a message within another. They are made when they are looked at, as some have hundreds. */
+/** The fields of a message within another. They are made when they are opened, because some have hundreds. */
 class Group {
   content = element("div", { className: "group" });
   /** @type {HTMLElement|null} where it stands in a list */

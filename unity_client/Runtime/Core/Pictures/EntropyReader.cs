@@ -194,7 +194,7 @@ namespace Ros2Gateway.Pictures
                 }
                 else if (at + 1 < end && jpeg[at + 1] == 0)
                 {
-                    at += 2; // a byte of ones has a zero byte behind it, as it would look like a marker
+                    at += 2; // a byte of ones has a zero byte behind it, or it would look like a marker
                 }
                 else
                 {

@@ -5,7 +5,7 @@ namespace Ros2Gateway.Shapes
 {
     /// <summary>
     /// Boxes, spheres, cylinders and arrows as triangles, each where a pose is and lit from above. Light is part of
-    /// the colours, as the shaders that every build has know none.
+    /// the colours, because the shaders of every build know none.
     /// </summary>
     public static class Solids
     {

@@ -46,7 +46,7 @@ namespace Ros2Gateway.Unity
             get { return _found != null; }
         }
 
-        /// <summary>Whether it is not drawn although its place is known, as it is too old.</summary>
+        /// <summary>Whether it is not drawn although its place is known, because it is too old.</summary>
         protected virtual bool IsOutdated
         {
             get { return false; }

@@ -13,7 +13,7 @@ namespace Ros2Gateway.Unity
     /// </summary>
     /// <remarks>
     /// A message may add to what others have added, so each is shown when it comes. While this is disabled there are no
-    /// markers, as nobody would take away those that are deleted in the meantime. Enabled again, it begins with the
+    /// markers, because nobody would remove those that are deleted in the meantime. Enabled again, it begins with the
     /// subscriber's last message.
     /// </remarks>
     [AddComponentMenu("ROS 2 Gateway/Marker Array Display")]

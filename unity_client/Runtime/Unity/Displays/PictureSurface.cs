@@ -12,7 +12,7 @@ namespace Ros2Gateway.Unity
         // The shader of a Quad of the built-in pipeline: lit, as no image should be, and pink in URP.
         private const string DefaultMaterial = "Default-Material";
 
-        // The same of URP, by its shader as well, as the name is a common one. A build cannot ask the pipeline for it.
+        // The same of URP, also by its shader, because the name is a common one. A build cannot ask the pipeline for it.
         private const string DefaultMaterialOfUrp = "Lit";
         private const string LitShaderOfUrp = "Universal Render Pipeline/Lit";
 
