@@ -48,7 +48,7 @@ function draw() {
 /** Write what changes with time. */
 function tick() {
   const of = (topic) => gateway.arrivals.get(topic);
-  camera.write({ picture: camera.arrivals }, isConnected);
+  camera.write({ camera: camera.arrivals }, isConnected);
   world.write({ odometry: of(heard.odometry), scan: of(heard.scan), map: of(heard.map), place: world.view?.place }, isConnected);
   const words = (command.isDriving && motion.words) || command.words;
   if (find("control").textContent !== words) find("control").textContent = words; // it is read out

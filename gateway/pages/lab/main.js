@@ -230,7 +230,7 @@ function showState() {
   const words = doing();
   write("control", words);
   write("missing", sources.missing);
-  age.write({ picture: sources.arrivals("camera"), odometry: sources.arrivals("odometry"), scan: sources.arrivals("scan") }, isConnected);
+  age.write({ camera: sources.arrivals("camera"), odometry: sources.arrivals("odometry"), scan: sources.arrivals("scan") }, isConnected);
   const { x, y, yaw } = twin.pose;
   const heading = Math.round((yaw * 180) / Math.PI);
   const where = sources.arrivals("odometry") ? `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m\nheading ${heading} degrees` : "place unknown";
