@@ -233,7 +233,7 @@ async def test_the_data_of_a_dead_robot_turn_pale_and_nobody_says_that_it_drives
         with frozen_robot(demo):
             await page.wait_for_function(STALE)
             await page.wait_for_function(ODOMETRY_IS_OLD)  # the scan may be so first
-            assert re.fullmatch(r"picture [0-9.]+ s old", await page.inner_text("#camera .age"))
+            assert re.fullmatch(r"camera [0-9.]+ s old", await page.inner_text("#camera .age"))
             missed = "/odometry has stopped/.test(control.textContent)"
             await until_while_driving(page, "KeyA", missed)
         await page.wait_for_function(FRESH)
