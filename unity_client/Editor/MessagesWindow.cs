@@ -14,7 +14,7 @@ namespace Ros2Gateway.Editor
     /// </summary>
     public sealed class MessagesWindow : EditorWindow
     {
-        private const int MostRows = 100; // a longer list is not a help: search further
+        private const int MostRows = 100; // a longer list does not help: search further
 
         [SerializeField]
         private GatewaySettings _settings;

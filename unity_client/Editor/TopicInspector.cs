@@ -13,7 +13,7 @@ namespace Ros2Gateway.Editor
     public abstract class TopicInspector : UnityEditor.Editor
     {
         private const float ButtonWidth = 70;
-        private const int MostFound = 40; // a longer menu is not a help: search further
+        private const int MostFound = 40; // a longer menu does not help: search further
 
         private readonly TypeCatalogue _catalogue = new TypeCatalogue();
         private GraphDropdown _graph;

@@ -32,7 +32,7 @@ namespace Ros2Gateway
         Other,
     }
 
-    /// <summary>The process next to the gateway that stops a robot if the gateway dies.</summary>
+    /// <summary>The guard process, which stops a robot if the gateway dies.</summary>
     public enum GuardState
     {
         /// <summary>Nothing is known, or nothing is to be guarded yet.</summary>

@@ -238,7 +238,7 @@ namespace Ros2Gateway
             }
             catch (Exception error)
             {
-                // A transport of the application's own may throw. This is not a thread to throw it on.
+                // A transport of the application's own may throw. It must not throw on this thread.
                 End(0, error.Message);
             }
         }

@@ -75,7 +75,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>The topic of a publisher. Null without one with that id.</summary>
+        /// <summary>The topic of a publisher. Null if no one has that id.</summary>
         internal string TopicOf(string id)
         {
             Publisher found = Find(id);

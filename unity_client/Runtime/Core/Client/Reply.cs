@@ -9,7 +9,7 @@ namespace Ros2Gateway
         /// <summary>Whether there is a value.</summary>
         public readonly bool Ok;
 
-        /// <summary>The value. Default without one.</summary>
+        /// <summary>The value. Default without a value.</summary>
         public readonly T Value;
 
         /// <summary>Why there is no value. Null where there is one.</summary>

@@ -89,7 +89,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>The topic of a subscription. Null without one with that id.</summary>
+        /// <summary>The topic of a subscription. Null if no one has that id.</summary>
         internal string TopicOf(string id)
         {
             lock (_gate)

@@ -14,7 +14,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Whether a message says to stand. True as well, for classes of the application's, which cannot be looked
+        /// Whether a message says to stand. True also for classes of the application's, which cannot be looked
         /// into: the gateway can.
         /// </summary>
         internal static bool MayBeZero(IMessage message)

@@ -48,7 +48,7 @@ namespace Ros2Gateway
             {
                 return null;
             }
-            catch (ArgumentException) // it is not a UTF-8
+            catch (ArgumentException) // it is not UTF-8
             {
                 return null;
             }

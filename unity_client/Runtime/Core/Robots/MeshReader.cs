@@ -14,7 +14,7 @@ namespace Ros2Gateway.Robots
 
         /// <summary>Reads a file.</summary>
         /// <param name="name">Its name or address, of which the end counts: .stl or .dae.</param>
-        /// <exception cref="MeshException">It is not a such file, in words.</exception>
+        /// <exception cref="MeshException">It is not such a file, in words.</exception>
         public static TriangleMesh Read(string name, byte[] file)
         {
             if (IsStl(name))

@@ -58,7 +58,7 @@ namespace Ros2Gateway.Robots
             return text.Length >= 3 && text[0] == 0xEF && text[1] == 0xBB && text[2] == 0xBF ? 3 : 0;
         }
 
-        /// <summary>Goes to the next word. False without one.</summary>
+        /// <summary>Goes to the next word. False at the end.</summary>
         internal bool Next()
         {
             byte[] text = _text;

@@ -90,7 +90,7 @@ namespace Ros2Gateway.Thesis
         /// <summary>Takes the oldest unread odometry.</summary>
         /// <param name="frame_id_size">How many bytes fit. Becomes how many were written, as all sizes.</param>
         /// <param name="no_covariance">Whether the covariances are left alone. Their arrays may be null then.</param>
-        /// <returns>False without one, or if it does not fit: then it stays, and a debug message says why.</returns>
+        /// <returns>False without a message, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_odometry(
             string topic, ref uint sec, ref uint nanosec, TextBuffer frame_id, ref uint frame_id_size,
             TextBuffer child_frame_id, ref uint child_frame_id_size, bool no_covariance,

@@ -8,7 +8,7 @@ namespace Ros2Gateway.Thesis
     {
         /// <summary>Takes the oldest unread picture, as pixels.</summary>
         /// <param name="frame_id_size">How many bytes fit. Becomes how many were written, as all sizes.</param>
-        /// <returns>False without one, or if it does not fit: then it stays, and a debug message says why.</returns>
+        /// <returns>False without a message, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_image(
             string topic, ref uint sec, ref uint nanosec, TextBuffer frame_id, ref uint frame_id_size,
             ref uint height, ref uint width, TextBuffer encoding, ref uint encoding_size,
@@ -65,7 +65,7 @@ namespace Ros2Gateway.Thesis
 
         /// <summary>Takes the oldest unread picture, as JPEG or PNG.</summary>
         /// <param name="frame_id_size">How many bytes fit. Becomes how many were written, as all sizes.</param>
-        /// <returns>False without one, or if it does not fit: then it stays, and a debug message says why.</returns>
+        /// <returns>False without a message, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_compressed_image(
             string topic, ref uint sec, ref uint nanosec, TextBuffer frame_id, ref uint frame_id_size,
             TextBuffer format, ref uint format_size, byte[] data, ref uint data_size)

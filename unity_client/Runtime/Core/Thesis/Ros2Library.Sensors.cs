@@ -10,7 +10,7 @@ namespace Ros2Gateway.Thesis
         /// <summary>Takes the oldest unread laser scan.</summary>
         /// <param name="frame_id_size">How many bytes fit. Becomes how many were written.</param>
         /// <param name="ranges_size">How many values fit. Becomes how many were written, as that of intensities.</param>
-        /// <returns>False without one, or if it does not fit: then it stays, and a debug message says why.</returns>
+        /// <returns>False without a message, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_laser_scan(
             string topic, ref uint sec, ref uint nanosec, TextBuffer frame_id, ref uint frame_id_size,
             ref float angle_min, ref float angle_max, ref float angle_increment,
@@ -78,7 +78,7 @@ namespace Ros2Gateway.Thesis
         /// How many cells both arrays take. Becomes how many were written. With 0 none are, and the arrays may be
         /// null. If the robot tells fewer temperatures than voltages, or the other way round, the rest is NaN.
         /// </param>
-        /// <returns>False without one, or if it does not fit: then it stays, and a debug message says why.</returns>
+        /// <returns>False without a message, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_battery_state(
             string topic, ref uint sec, ref uint nanosec, TextBuffer frame_id, ref uint frame_id_size,
             ref float voltage, ref float temperature, ref float current, ref float charge, ref float capacity,

@@ -28,7 +28,7 @@ namespace Ros2Gateway.Thesis
         /// <summary>Takes the oldest unread text.</summary>
         /// <param name="buffer">A StringBuilder or a byte array.</param>
         /// <param name="size">How many bytes it takes. Becomes how many were written, 0 if there is no text.</param>
-        /// <returns>False without one, or if it does not fit: then it stays, and a debug message says why.</returns>
+        /// <returns>False without a message, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_string(string topic, TextBuffer buffer, ref uint size)
         {
             lock (Gate)
@@ -65,7 +65,7 @@ namespace Ros2Gateway.Thesis
 
         /// <summary>Takes the oldest unread header.</summary>
         /// <param name="frame_id_size">How many bytes fit. Becomes how many were written, 0 if there is no header.</param>
-        /// <returns>False without one, or if it does not fit: then it stays, and a debug message says why.</returns>
+        /// <returns>False without a message, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_header(
             string topic, ref uint sec, ref uint nanosec, TextBuffer frame_id, ref uint frame_id_size)
         {

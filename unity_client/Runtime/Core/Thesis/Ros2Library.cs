@@ -172,7 +172,7 @@ namespace Ros2Gateway.Thesis
         }
 
         /// <summary>Takes the oldest unread message of whatever type the subscriber has.</summary>
-        /// <returns>False without one, or no subscriber, or if it is of another type: then it stays.</returns>
+        /// <returns>False without a message or a subscriber, or if it is of another type: then it stays.</returns>
         public static bool poll<T>(string topic, out T message)
             where T : class, IMessage
         {

@@ -99,7 +99,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// How many pixels of a camera's its longer side takes at most. Infinite if nobody knows, such as without one.
+        /// How many pixels of a camera's its longer side takes at most. Infinite if it is unknown, such as without a camera.
         /// </summary>
         internal float PixelsAcross(Camera camera)
         {

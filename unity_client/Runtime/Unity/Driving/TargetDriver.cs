@@ -231,7 +231,7 @@ namespace Ros2Gateway.Unity
         /// <summary>
         /// Drives to a point of the scene, and ignores its height. It replaces the former target.
         /// False, and nothing happens, while there is no connection, no robot is known that takes commands, or the
-        /// component is disabled. False as well, for a point that is not finite.
+        /// component is disabled. False also for a point that is not finite.
         /// </summary>
         public bool SetTarget(Vector3 worldPosition)
         {

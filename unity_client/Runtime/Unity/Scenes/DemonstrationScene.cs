@@ -59,7 +59,7 @@ namespace Ros2Gateway.Unity
             get { return _commandTopic; }
         }
 
-        /// <summary>Builds what this scene has next to connection, floor and light.</summary>
+        /// <summary>Builds what this scene has in addition to connection, floor and light.</summary>
         protected abstract void Build();
 
         /// <summary>Destroys what is not an object of the scene. Overriders call it.</summary>
