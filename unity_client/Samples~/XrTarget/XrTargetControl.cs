@@ -29,7 +29,7 @@ namespace Ros2Gateway.Samples.XrTarget
         private LineRenderer _line;
 
         [SerializeField]
-        [Tooltip("How far one can point, in metres")]
+        [Tooltip("How far one can point, in meters")]
         private float _reach = 20;
 
         [SerializeField]

@@ -144,7 +144,7 @@ namespace Ros2Gateway.Tests
             StringAssert.Contains("it is not a PNG", png.Read(new byte[100]));
             byte[] colored = Convert.FromBase64String(Filtered);
             colored[25] = 2;
-            StringAssert.Contains("not a grey PNG", png.Read(colored));
+            StringAssert.Contains("not a gray PNG", png.Read(colored));
         }
 
         [TestCase(Filtered, 1, "at most 67108864")]

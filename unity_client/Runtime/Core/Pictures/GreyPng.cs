@@ -70,7 +70,7 @@ namespace Ros2Gateway.Pictures
             int depth = png[24], color = png[25], interlace = png[28];
             if (color != 0 || depth != 8 && depth != 16 || interlace != 0)
             {
-                throw new FormatException("it is not a grey PNG of 8 or 16 bits");
+                throw new FormatException("it is not a gray PNG of 8 or 16 bits");
             }
             if (depth != 8 * _bytesPerPixel)
             {

@@ -20,7 +20,7 @@ namespace Ros2Gateway.Unity
         private float _horizontalView = 60;
 
         [SerializeField]
-        [Tooltip("Points further away are left out, in metres. 0 for no limit")]
+        [Tooltip("Points further away are left out, in meters. 0 for no limit")]
         private float _maxRange;
 
         [SerializeField]

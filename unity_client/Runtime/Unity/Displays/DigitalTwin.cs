@@ -17,7 +17,7 @@ namespace Ros2Gateway.Unity
         private float _smoothing = 0.1f;
 
         [SerializeField]
-        [Tooltip("It jumps if it is further away than this, in metres. 0 for never")]
+        [Tooltip("It jumps if it is further away than this, in meters. 0 for never")]
         private float _teleportDistance = 1;
 
         [SerializeField]

@@ -49,7 +49,7 @@ namespace Ros2Gateway.Unity
         private Color _farColor = Color.green;
 
         [SerializeField]
-        [Tooltip("Points further away are left out, in metres. 0 for the limit of the scanner")]
+        [Tooltip("Points further away are left out, in meters. 0 for the limit of the scanner")]
         private float _maxRange;
 
         private PointMesh _mesh;

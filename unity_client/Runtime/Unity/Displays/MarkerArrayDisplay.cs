@@ -34,7 +34,7 @@ namespace Ros2Gateway.Unity
         private int _maxVertices = 1 << 22; // 16 bytes each and, as cubes, 6 of indices: 88 MB
 
         [SerializeField]
-        [Tooltip("Of solids. Empty: one that uses the colours of vertices")]
+        [Tooltip("Of solids. Empty: one that uses the colors of vertices")]
         private Material _material;
 
         private readonly Dictionary<Key, MarkerObject> _markers = new Dictionary<Key, MarkerObject>();

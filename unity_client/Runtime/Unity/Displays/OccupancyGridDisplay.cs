@@ -20,7 +20,7 @@ namespace Ros2Gateway.Unity
         private float _alpha = 1;
 
         [SerializeField]
-        [Tooltip("How far above its origin, in metres: what lies at the same height flickers")]
+        [Tooltip("How far above its origin, in meters: what lies at the same height flickers")]
         private float _height;
 
         private readonly Vector3[] _corners = new Vector3[4];

@@ -13,7 +13,7 @@ namespace Ros2Gateway.Unity
         private Color _color = new Color(0.2f, 0.6f, 1f);
 
         [SerializeField]
-        [Tooltip("A point each time that the robot has come so far, in metres")]
+        [Tooltip("A point each time that the robot has come so far, in meters")]
         private float _spacing = 0.05f;
 
         [SerializeField]
@@ -22,7 +22,7 @@ namespace Ros2Gateway.Unity
         private int _maxPoints = 2000; // 100 m at 5 cm
 
         [SerializeField]
-        [Tooltip("A jump of more than this begins a new trail, in metres. 0 for never")]
+        [Tooltip("A jump of more than this begins a new trail, in meters. 0 for never")]
         private float _teleportDistance = 1;
 
         private PointMesh _mesh;

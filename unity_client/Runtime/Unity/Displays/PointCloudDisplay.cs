@@ -18,7 +18,7 @@ namespace Ros2Gateway.Unity
         private int _maxPoints = 50000;
 
         [SerializeField]
-        [Tooltip("Of clouds without colours")]
+        [Tooltip("Of clouds without colors")]
         private Color _color = Color.white;
 
         private PointMesh _mesh;

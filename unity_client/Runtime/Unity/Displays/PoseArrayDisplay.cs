@@ -13,7 +13,7 @@ namespace Ros2Gateway.Unity
         private Color _color = new Color(0.9f, 0.5f, 0.1f);
 
         [SerializeField]
-        [Tooltip("How long an arrow is, in metres")]
+        [Tooltip("How long an arrow is, in meters")]
         private float _length = 0.2f;
 
         private PoseArrows _arrows;

@@ -13,7 +13,7 @@ namespace Ros2Gateway.Unity
         private Color _color = new Color(0.9f, 0.2f, 0.6f);
 
         [SerializeField]
-        [Tooltip("How long the arrow is, in metres")]
+        [Tooltip("How long the arrow is, in meters")]
         private float _length = 0.5f;
 
         private PoseArrows _arrows;

@@ -28,7 +28,7 @@ namespace Ros2Gateway.Unity
         private string _frame = "map";
 
         [SerializeField]
-        [Tooltip("The behaviour tree to use, as a path on the robot. Empty for the usual one")]
+        [Tooltip("The behavior tree to use, as a path on the robot. Empty for the usual one")]
         private string _behaviorTree = "";
 
         [SerializeField]
@@ -39,7 +39,7 @@ namespace Ros2Gateway.Unity
         private UnityEvent _onReached = new UnityEvent();
 
         [SerializeField]
-        [Tooltip("It was rejected, aborted or cancelled, or the connection is lost")]
+        [Tooltip("It was rejected, aborted or canceled, or the connection is lost")]
         private UnityEvent _onEnded = new UnityEvent();
 
         // Until its result has come a goal may be pursued: one that was sent later may be refused. The client knows

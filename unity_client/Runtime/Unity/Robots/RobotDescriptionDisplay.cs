@@ -40,7 +40,7 @@ namespace Ros2Gateway.Unity
         private string _framePrefix = "";
 
         [SerializeField]
-        [Tooltip("Of solids. Empty: one that uses the colours of vertices")]
+        [Tooltip("Of solids. Empty: one that uses the colors of vertices")]
         private Material _material;
 
         private readonly Dictionary<string, Transform> _links = new Dictionary<string, Transform>();
