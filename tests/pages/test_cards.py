@@ -261,7 +261,7 @@ async def test_after_stop_a_card_does_not_say_that_another_client_drives(demo, o
         await other.send(op="publish", topic="/cmd_vel", msg={"angular": {"z": 0.1}})
         await watched.until(state="moving")
         await page.click("#stop")
-        await page.wait_for_selector(".control:text-is('Stopped; another client has control.')")
+        await page.wait_for_selector(".control:text-is('Stopped. Another client has control.')")
 
 
 async def test_a_card_drives_only_command_topics(demo, open_page):

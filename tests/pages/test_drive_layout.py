@@ -167,10 +167,12 @@ async def test_a_viewer_is_told_so_before_trying_to_drive(demo, open_page):
         };
     """
     async with open_page(f"{page_address(demo)}#card=drive+0+/cmd_vel", script=as_viewer) as page:
-        await page.wait_for_selector(".control:text-is('You may watch, not drive.')")
+        await page.wait_for_selector(".control:text-is('You may watch, but not drive.')")
         assert await page.get_attribute(".stick", "aria-disabled") == "true"
     async with open_page(f"{page_address(demo)}drive", script=as_viewer) as page:
-        await page.wait_for_function("() => control.textContent === 'You may watch, not drive.'")
+        await page.wait_for_function(
+            "() => control.textContent === 'You may watch, but not drive.'"
+        )
         assert await page.get_attribute("#stick", "aria-disabled") == "true"
         assert await page.is_disabled("#linear")
         assert await page.is_disabled("#angular")
@@ -207,7 +209,9 @@ async def test_a_role_that_turns_out_not_to_drive_is_told_so(demo, open_page, co
         await page.wait_for_selector("#notice")
         is_disabled = code == "forbidden"
         assert await page.is_disabled("#linear") == is_disabled
-        watching = await page.evaluate("() => control.textContent === 'You may watch, not drive.'")
+        watching = await page.evaluate(
+            "() => control.textContent === 'You may watch, but not drive.'"
+        )
         assert watching or not is_disabled
 
 

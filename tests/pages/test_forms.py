@@ -131,7 +131,7 @@ ALL_KINDS = {
         "pair": {"type": "array", "items": POINT, "minItems": 2, "maxItems": 2},
     },
 }
-STAYS = "it stays JSON, as "
+STAYS = "it stays JSON, because "
 
 
 @pytest.mark.parametrize(
@@ -255,7 +255,7 @@ async def test_a_message_is_written_as_json_too(demo, open_page):
         assert '"y": 2' in await text.input_value()
         await text.fill('{"pose": ')
         await page.click(f"{form(title)} button:text-is('Publish')")
-        await until(page, "() => cards.textContent.includes('this is no JSON')")
+        await until(page, "() => cards.textContent.includes('this is not JSON')")
         await text.fill('{"pose": {"position": {"y": 3}}}')
         await page.click(f"{form(title)} button:text-is('Publish')")
         heard = await hearer.receive(lambda frame: frame.get("topic") == "/goal_pose", 120)
@@ -464,7 +464,7 @@ async def test_a_value_that_does_not_fit_is_said_and_a_refused_switch_goes_back(
         await page.evaluate(NODE, {"value": 0.5, "type": "double"})
         value = page.locator("article[aria-label='node /n'] label input")
         for wrong, words in (
-            ("maybe", "expected a value as JSON has it"),
+            ("maybe", "expected a JSON value"),
             ("1e400", "larger than any float64"),
             ("3", "not now"),
         ):

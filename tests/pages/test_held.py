@@ -118,7 +118,7 @@ async def test_a_key_held_while_another_client_drives_moves_nothing_when_that_en
             await watched.until(state="moving")
         await other.send(op="acquire_control", topic="/cmd_vel")
         others = (
-            "Another client drives" if when != "later" else "Stopped; another client has control"
+            "Another client drives" if when != "later" else "Stopped. Another client has control"
         )
         await page.wait_for_function(f"() => {said} === '{others}.'")
         if when != "later":

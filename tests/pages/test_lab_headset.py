@@ -287,7 +287,7 @@ async def test_a_trigger_sends_nothing_while_the_other_hand_squeezes(enter):
         await page.evaluate(PRESS, ["left", "squeeze", 1])
         await frames(page)
         await trigger(page, 0.8, -0.3)()
-        assert "let go of it first" in await page.evaluate("() => lab.pilot.words")
+        assert "release it first" in await page.evaluate("() => lab.pilot.words")
         assert not await page.evaluate("() => lab.pilot.isActive")
         await page.evaluate(PRESS, ["left", "squeeze", 0])
         await frames(page)

@@ -175,7 +175,7 @@ async def test_marks_of_time_are_round(open_card):
 async def test_the_shown_message_is_copied(open_card):
     async with open_card("tree") as page:
         await page.evaluate("() => press('Copy /x')")
-        await until(page, f"() => ({PROBLEM})() === 'not copied: nothing has come yet'")
+        await until(page, f"() => ({PROBLEM})() === 'not copied: no message has arrived yet'")
         await page.evaluate("() => { take({ data: 1 }); drawn(); press('Pause /x'); }")
         await page.evaluate("() => { take({ data: 2 }); drawn(); press('Copy /x'); }")
         await until(page, "() => copied.length === 1")

@@ -167,7 +167,7 @@ async def test_a_name_that_is_too_long_says_why_it_cannot_be_opened(open_page, n
     ):
         for topic in ("/as/long/as_it", "/a/longer/one"):
             await speaker.send(op="advertise", topic=topic, type="std_msgs/msg/String")
-        words = "its name has 13 characters; the gateway takes 12"
+        words = "its name has 13 characters, the gateway accepts 12"
         button = page.locator("#topics button:has-text('/a/longer/one')")
         await page.wait_for_selector(f"#topics button:has-text('{words}')")
         assert await button.is_disabled()

@@ -58,7 +58,7 @@ async def said(nowhere, type_name: str, *messages: dict[str, object]):
         ("plot", FLOAT, [{"data": 1.7e308}, {"data": -1.7e308}, {"data": 1.7e308}], ""),
         ("plot", FLOAT, [{"data": 5e-324}, {"data": 0.0}], ""),
         ("plot", FLOAT, [{"data": "NaN"}, {"data": INFINITE}], ""),
-        ("plot", "std_msgs/msg/String", [{"data": "hello"}], "data is no number"),
+        ("plot", "std_msgs/msg/String", [{"data": "hello"}], "data is not a number"),
     ],
 )
 async def test_a_view_shows_it_or_says_why_and_the_page_goes_on(

@@ -129,7 +129,7 @@ namespace Ros2Gateway.Editor.Tests
             StringAssert.StartsWith("the text is no std_msgs/msg/String: ", Inspector.Words.Last());
             publisher.Type = "own_msgs/msg/Unknown";
             Look("Edit the fields");
-            StringAssert.StartsWith("there is no class for own_msgs/msg/Unknown", Inspector.Words.Last());
+            StringAssert.StartsWith("no class for own_msgs/msg/Unknown", Inspector.Words.Last());
             Assert.IsNull(publisher.Fields);
         }
 

@@ -86,7 +86,7 @@ namespace Ros2Gateway.Editor.Tests
             Inspector.Write("Find a type", "nav_msgs/msg/Odometry");
             Look();
             Assert.AreEqual(0, Inspector.Toggles.Count);
-            StringAssert.Contains("have the classes", Inspector.Words.Last());
+            StringAssert.Contains("have classes", Inspector.Words.Last());
         }
 
         [UnityTest]

@@ -81,7 +81,7 @@ namespace Ros2Gateway.Editor.Tests
         public IEnumerator After_failures_in_a_row_the_main_thread_reads_the_picture()
         {
             LogAssert.Expect(LogType.Warning, new Regex("which is dropped$"));
-            LogAssert.Expect(LogType.Warning, new Regex("from now on the main thread waits for it"));
+            LogAssert.Expect(LogType.Warning, new Regex("from now on the main thread waits for the GPU"));
             Gpu.Fails = true;
             yield return Until(() => Publishes() && _picture != null);
             Assert.AreEqual(5, _publisher.Dropped);

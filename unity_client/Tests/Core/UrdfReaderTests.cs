@@ -114,7 +114,7 @@ namespace Ros2Gateway.Tests
         [TestCase("<robot><link name='a'/><joint name='j' type='fixed'><parent link='a'/></joint></robot>",
             "joint j: its child is missing")]
         [TestCase("<robot><link name='a'/><joint name='j' type='fixed'><parent link='x'/><child link='a'/></joint></robot>",
-            "joint j: its parent x is no link")]
+            "joint j: its parent x is not a link")]
         [TestCase("<robot><link name='a'/><link name='b'/><joint name='j' type='ball'><parent link='a'/><child link='b'/>"
             + "</joint></robot>", "the type ball is unknown")]
         [TestCase("<robot><link name='a'/><joint name='j' type='fixed'><parent link='a'/><child link='a'/></joint></robot>",

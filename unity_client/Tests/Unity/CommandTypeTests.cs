@@ -84,7 +84,7 @@ namespace Ros2Gateway.Unity.Tests
             TeleopDriver driver = Driver(Changing + "/cmd_vel");
             _keys.Held = DriveKeys.Forward;
             yield return _scene.Until(
-                () => driver.Status == "no robot takes commands on /changing/cmd_vel yet", "to be told");
+                () => driver.Status == "no robot listens to commands on /changing/cmd_vel yet", "to be told");
             Assert.IsNull(driver.CommandType);
             yield return Takes(type, () => driver.CommandType == "geometry_msgs/msg/" + type);
             yield return Frames(AFewFrames);
@@ -105,7 +105,7 @@ namespace Ros2Gateway.Unity.Tests
                 "",
                 () => _scene.Observer.Graph.TopicTypes(Changing + "/cmd_vel").Length == 0);
             driver.enabled = true;
-            yield return _scene.Until(() => driver.Status.StartsWith("no robot takes commands"), "to be told");
+            yield return _scene.Until(() => driver.Status.StartsWith("no robot listens to commands"), "to be told");
             _keys.Held = DriveKeys.Forward;
             yield return Frames(AFewFrames);
             yield return Takes("Twist", () => driver.CommandType != null);

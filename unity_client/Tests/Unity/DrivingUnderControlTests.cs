@@ -61,7 +61,7 @@ namespace Ros2Gateway.Unity.Tests
             yield return _scene.UntilHeard(0, 0);
             _scene.Heard.Clear();
             yield return _scene.Until(
-                () => driver.Status == "stopped, another client asked for it: let go (publish zero), then drive on",
+                () => driver.Status == "stopped, another client asked for a stop: let go (publish zero), then drive on",
                 "to be told");
             // The key is held, and nothing goes: the lease ends.
             yield return _scene.Until(() => driver.Control.Holder == ControlHolder.None, "for the lease to end");

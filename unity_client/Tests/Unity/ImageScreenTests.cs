@@ -100,7 +100,7 @@ namespace Ros2Gateway.Unity.Tests
             Assert.AreEqual(Color.yellow, _renderer.sharedMaterial.color);
             CompressedImageMsg bad = new CompressedImageMsg { format = "h264", data = new byte[100] };
             yield return _scene.Until(() => screen.IsStale, "for it to be stale", () => screen.Show(bad));
-            Assert.AreEqual("picture is 0 s old", status.text);
+            Assert.AreEqual("image is 0 s old", status.text);
             Assert.AreEqual(0.35f, _renderer.sharedMaterial.color.r);
             CollectionAssert.AreEqual(new[] { true, false, true }, told);
         }
@@ -207,7 +207,7 @@ namespace Ros2Gateway.Unity.Tests
             screen.Show(new CompressedImageMsg { format = "jpeg", data = damaged });
             yield return _scene.Until(() => _scene.HasLogged("is damaged"), "for words");
             Assert.IsTrue(_scene.HasLogged(
-                "a picture of format \"jpeg\" is damaged: the data end within the picture (byte "
+                "an image of format \"jpeg\" is damaged: the data end within the picture (byte "
                 + damaged.Length + ")"));
             Assert.AreEqual(64, screen.Texture.width);
         }

@@ -189,7 +189,7 @@ namespace Ros2Gateway.Unity.Tests
             RobotDescriptionDisplay robot = Robot(Mesh("package://rogue/cut.stl"), Mesh("package://rogue/2.stl"));
             yield return null;
             Assert.IsTrue(_scene.HasLogged(
-                "no model for package://rogue/cut.stl among Models, and no Gateway Connection to fetch it by: a small box"));
+                "no model for package://rogue/cut.stl among Models, and no Gateway Connection to fetch it: a small box"));
             Connect();
             yield return _scene.Until(() => All(robot, mesh => mesh.vertexCount != BoxVertices), "for the meshes");
             Assert.AreEqual(1, Shown(robot, 0).vertices[0].y, "of the first fetch of the second connection");
