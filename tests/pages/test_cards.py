@@ -37,7 +37,8 @@ async def test_a_view_that_does_not_fit_what_comes_later_says_so_and_others_go_o
         await speaker.send(op="publish", topic="/later", msg={"data": "no scan"})
         said = "[...document.querySelectorAll('.problem')].map((each) => each.textContent)"
         await until(
-            page, f"() => {said}.filter((each) => /: String is none/.test(each)).length > 1"
+            page,
+            f"() => {said}.filter((each) => /not String: choose/.test(each)).length > 1",
         )
         for text in ("one", "two"):
             await speaker.send(op="publish", topic="/counter", msg={"data": text})

@@ -153,7 +153,7 @@ async def test_another_driver_is_said_and_can_be_taken_over(demo, drive, watched
         )
         await page.click("#take")
         await page.wait_for_selector("#take", state="hidden")
-        await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+        await page.wait_for_function("() => /^Stopped(?!.*[Ll]et go)/.test(control.textContent)")
         assert not any("another client took" in words for words in await page.evaluate("said"))
         await page.keyboard.down("ArrowLeft")
         await watched.until(state="moving")
@@ -167,12 +167,12 @@ async def until_it_drives(page, hold, let_go) -> None:
     while True:
         await hold()
         await page.wait_for_function(
-            f"() => /Let go|^(?!Stopped|Not conn|Another|Nobody|Nothing|$)/.test({words})"
+            f"() => /[Ll]et go|^(?!Stopped|Not conn|Another|No node|Nothing|$)/.test({words})"
         )
-        if await page.evaluate(f"() => !/Let go/.test({words})"):
+        if await page.evaluate(f"() => !/[Ll]et go/.test({words})"):
             return
         await let_go()
-        await page.wait_for_function(f"() => !/Let go/.test({words})")
+        await page.wait_for_function(f"() => !/[Ll]et go/.test({words})")
 
 
 async def drive_by(page, key: str) -> None:

@@ -346,7 +346,7 @@ async def test_a_form_comes_with_its_topic_and_follows_its_type(open_page, nowhe
         gateway_process("serve", *nowhere) as gateway,
         open_page(page_address(gateway) + cards) as page,
     ):
-        await until(page, "() => cards.textContent.includes('/later is not there')")
+        await until(page, "() => cards.textContent.includes('/later does not exist')")
         async with client(gateway.url) as robot:
             service = {"service": "/later_service", "type": "std_srvs/Trigger"}
             await robot.send(op="advertise_service", **service)
@@ -516,7 +516,7 @@ async def test_a_topic_that_is_gone_is_said(demo, open_page):
     async with open_page(
         page_address(demo) + "#card=call+0+/motor_powr&card=node+0+/nobody"
     ) as page:
-        await until(page, "() => cards.textContent.includes('/motor_powr is not there')")
+        await until(page, "() => cards.textContent.includes('/motor_powr does not exist')")
         await until(
             page, "() => /nobody/.test(document.querySelectorAll('.problem')[1]?.textContent)"
         )

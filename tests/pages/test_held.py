@@ -145,7 +145,7 @@ async def test_a_key_held_while_a_robot_leaves_moves_nothing_when_it_comes_back(
     ):
         await page.wait_for_selector(".state[data-state=open]")
         await page.click("#stop")
-        await page.wait_for_function("() => notice.textContent.startsWith('nothing moves')")
+        await page.wait_for_function("() => notice.textContent.startsWith('Nothing to stop')")
         await page.keyboard.down("ArrowLeft")
         for _ in range(2):
             await motor.send(op="subscribe", topic="/cmd_vel", type=TWIST)

@@ -249,7 +249,7 @@ async def test_old_data_turn_pale_without_a_connection(demo, speaker, open_page)
 async def test_arrow_keys_drive_and_end_an_approach(lab):
     async with lab() as page:
         await page.keyboard.press("ArrowLeft")  # after a stop a zero comes first
-        await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+        await page.wait_for_function("() => /^Stopped(?!.*[Ll]et go)/.test(control.textContent)")
         await page.wait_for_timeout(300)  # in which the gateway wants nothing that moves
         await page.keyboard.down("ArrowLeft")
         await page.wait_for_function("() => control.textContent.startsWith('Driving')")
@@ -281,7 +281,7 @@ async def test_the_words_about_the_robot_and_its_approach_never_contradict(lab, 
         await page.keyboard.down("ArrowLeft")
         await page.wait_for_function("() => !lab.pilot.isActive")
         await page.keyboard.up("ArrowLeft")
-        await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+        await page.wait_for_function("() => /^Stopped(?!.*[Ll]et go)/.test(control.textContent)")
         await page.keyboard.down("ArrowRight")
         await page.wait_for_function("() => control.textContent.startsWith('Driving')")
         assert await page.inner_text("#approach") == ""
@@ -297,7 +297,7 @@ async def test_the_words_about_the_robot_and_its_approach_never_contradict(lab, 
 async def test_keys_that_drive_a_robot_without_odometry_are_told_so(demo, lab):
     async with lab() as page:
         await page.keyboard.press("ArrowLeft")  # after a stop a zero comes first
-        await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+        await page.wait_for_function("() => /^Stopped(?!.*[Ll]et go)/.test(control.textContent)")
         await page.wait_for_timeout(300)  # in which the gateway wants nothing that moves
         await page.keyboard.down("ArrowLeft")
         await page.wait_for_function("() => control.textContent.startsWith('Driving')")
@@ -355,12 +355,12 @@ async def test_home_leads_back_from_wherever_one_has_walked(lab, by):
 async def test_a_key_that_is_held_drives_no_more_once_another_client_drives(lab, speaker):
     async with lab() as page:
         await page.keyboard.press("ArrowLeft")  # after a stop a zero comes first
-        await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+        await page.wait_for_function("() => /^Stopped(?!.*[Ll]et go)/.test(control.textContent)")
         await page.wait_for_timeout(300)  # in which the gateway wants nothing that moves
         await page.keyboard.down("ArrowLeft")
         await page.wait_for_function("() => control.textContent.startsWith('Driving')")
         await speaker.send(op="acquire_control", topic="/cmd_vel")
-        await page.wait_for_function("() => control.textContent.startsWith('Stopped; another')")
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped. Another')")
         # only zeros go out, though the key is held
         await page.wait_for_function("""() => {
             const lines = lab.screens.commands.text.split("\\n").slice(-3);

@@ -162,6 +162,11 @@ async def test_no_form_moves_anything_while_stop_is_held(demo, open_page):
             await button.wait_for()
         await page.evaluate("() => import('/shared/stop_held.js').then(({ hold }) => hold(1))")
         await page.evaluate("() => document.querySelectorAll('.act').forEach((e) => e.click())")
-        assert await page.locator("article > .problem:text-is('STOP is held.')").count() == 2
+        assert (
+            await page.locator(
+                "article > .problem:text-is('STOP is held: release it first.')"
+            ).count()
+            == 2
+        )
         sent = "sent.map(JSON.parse).filter(({ op }) => /^(publish|send_action_goal)$/.test(op))"
         assert await page.evaluate(f"() => {sent}.length") == 0

@@ -11,7 +11,7 @@ from tests.pages.test_debug_page import new_token
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 ASKS = "() => document.getElementById('token').open"
-REFUSES = "() => document.getElementById('token-problem').textContent.includes('no token')"
+REFUSES = "() => document.getElementById('token-problem').textContent.includes('not a token')"
 
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module")

@@ -105,7 +105,7 @@ async def test_the_drive_page_says_what_cannot_be_shown_until_something_can(open
         await robot.send(op="advertise", topic="/wild", type=SCAN, latch=True)
         await robot.send(op="publish", topic="/wild", msg=NO_HIT | {"ranges": [1e20, 2]})
         words = "() => document.querySelector('#world .problem')?.textContent"
-        await until(page, f"() => /cannot be shown/.test(({words})())")
+        await until(page, f"() => /^Cannot show the data/.test(({words})())")
         await robot.send(op="publish", topic="/wild", msg=NO_HIT | {"ranges": [1, 2]})
         await until(page, f"() => ({words})() === ''")
 
