@@ -30,9 +30,7 @@ if TYPE_CHECKING:
     from gateway.config.settings import Given, Loaded
     from schemas.installed import InstalledDefinitions
 
-_interrupted: Final = (
-    threading.Event()
-)  # by a signal, because an import may have lost the exception
+_interrupted: Final = threading.Event()  # by a signal: an import may lose the exception
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -129,7 +129,7 @@ async def test_a_token_is_shown_by_argument_and_by_environment(tmp_path, monkeyp
         assert token not in text
         code, sentence = await said(*asked)
         assert code != 0
-        assert "--token or ROS2_GATEWAY_TOKEN may have" in sentence
+        assert "use --token or ROS2_GATEWAY_TOKEN" in sentence
         code, sentence = await said(*asked, "--token", "r2g_wrong")
         assert (code, sentence.startswith(f"{gateway.url}: ")) == (1, True)
         assert "token" in sentence
