@@ -70,7 +70,8 @@ async def test_diagrams_are_drawn_and_the_search_finds_a_page(open_page, address
         # The theme draws into a closed shadow root, so only the size shows the diagram.
         box = await drawn.bounding_box()
         assert box["height"] > 100
-        await page.locator("input.md-search__input").fill("GatewayClient")
+        # The theme listens for keys, and not for changes of the text.
+        await page.locator("input.md-search__input").press_sequentially("GatewayClient")
         found = page.locator(".md-search-result__link").first
         await found.wait_for()
         assert "unity/" in await found.get_attribute("href")
