@@ -178,7 +178,7 @@ async def test_a_robot_that_does_not_answer_is_told_of(speaker: Client, tmp_path
         robot.publish("/silent", "my_msgs/msg/Silent", {"on": True}, Silent="bool on\n")
         await speaker.send(op="subscribe", topic="/silent")
         status = await speaker.receive(lambda frame: frame.get("code") == "bad_type")
-        assert "and a node that has it has not answered within 5 s; " in status["msg"]
+        assert "and a node that has it has not answered within 5 s: " in status["msg"]
 
 
 async def test_a_setting_keeps_nodes_from_being_asked(robot: Robot):
