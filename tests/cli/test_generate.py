@@ -19,7 +19,7 @@ from tests.schemas.test_installed import write_definition
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 NO_ODOM = "no definition of nav_msgs/msg/Odom is installed"
-SECONDS = "expected seconds above 0, at most 600; see ros2-gateway generate --help"
+SECONDS = "expected seconds above 0, at most 600. See ros2-gateway generate --help"
 ELSEWHERE = (
     "install its package, name a folder with its definition by --types-path, or a running gateway "
     "by --from"
@@ -225,7 +225,7 @@ def test_definitions_that_come_with_the_gateway_are_known_to_both_commands(name)
             (
                 "argument --asmdef: got '../Robot', expected a name such as Robot.Messages: words "
                 "of letters, digits and _ with dots between them, at most 100 characters, and not "
-                "Ros2Gateway, which is the package's; see ros2-gateway generate --help"
+                "Ros2Gateway, which is the package's. See ros2-gateway generate --help"
             ),
         ),
         (
@@ -238,7 +238,7 @@ def test_definitions_that_come_with_the_gateway_are_known_to_both_commands(name)
         ),
         (
             ("python", "1", "--output", ""),
-            "argument --output: no folder is named; see ros2-gateway generate --help",
+            "argument --output: no folder is named. See ros2-gateway generate --help",
         ),
         (
             ("python", "1", "--from", "ws://x", "--types-path", "."),

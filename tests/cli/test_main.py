@@ -145,7 +145,7 @@ def test_a_wrong_flag_is_one_sentence():
     code, sentence = refusal("serve", "--prot", "1")
     assert (code, sentence) == (
         2,
-        "unknown arguments: --prot 1; did you mean --port?; see ros2-gateway serve --help",
+        "unknown arguments: --prot 1; did you mean --port? See ros2-gateway serve --help",
     )
 
 
