@@ -56,7 +56,7 @@ TESTS = {
         f"{CALLS}::test_a_call_that_fails_is_answered_with_the_reason",
     ],
     "**Frames:**": [
-        "codec/test_json.py::test_what_is_no_json_raises_json_error_with_the_place",
+        "codec/test_json.py::test_invalid_json_raises_json_error_with_the_place",
     ],
     "**`float32`**": [
         "codec/cdr/test_float32.py::test_every_float32_is_spelled_as_numpy_spells_it",

@@ -17,7 +17,7 @@ VALUES = st.recursive(
 
 
 @given(VALUES)
-def test_what_is_written_cbor2_reads(value):
+def test_cbor2_reads_the_written_values(value):
     assert cbor2.loads(cbor.dumps(value)) == value
 
 
@@ -34,6 +34,6 @@ def test_a_tuple_becomes_an_array():
     assert cbor2.loads(cbor.dumps((0.5, 10.0))) == [0.5, 10.0]
 
 
-def test_what_frames_never_have_raises_type_error():
+def test_a_value_that_frames_never_have_raises_type_error():
     with pytest.raises(TypeError, match="no CBOR for object"):
         cbor.dumps(object())

@@ -36,12 +36,12 @@ def typed(array: np.ndarray) -> cbor2.CBORTag:
 
 
 @given(VALUES, st.booleans())
-def test_what_cbor2_writes_is_read(value, canonical):
+def test_values_that_cbor2_writes_are_read(value, canonical):
     assert loads(cbor2.dumps(value, canonical=canonical)) == value
 
 
 @given(VALUES)
-def test_what_json_says_is_the_same_in_cbor(value):
+def test_a_value_is_the_same_in_json_and_cbor(value):
     text = json.dumps(value, default=lambda octets: octets.hex())
     assert loads(cbor2.dumps(json.loads(text))) == json.loads(text)
 
@@ -100,7 +100,7 @@ def test_undefined_is_null():
         (b"\xd8\x55" * 2000 + b"\x40", "a typed array that is no byte string"),
     ],
 )
-def test_what_is_not_taken_is_refused_with_its_place(data, words):
+def test_unsupported_items_are_refused_with_their_place(data, words):
     with pytest.raises(CborError) as caught:
         loads(data)
     assert words in str(caught.value)
@@ -139,7 +139,7 @@ def test_text_that_is_not_ascii_costs_three_times_as_much():
         loads(cbor2.dumps([*texts, "ü"]))
 
 
-def test_numbers_in_typed_arrays_are_no_items_and_few_of_them_make_a_list():
+def test_numbers_in_typed_arrays_are_not_items_and_few_of_them_make_a_list():
     assert isinstance(loads(cbor2.dumps(typed(np.zeros(10_000, "<f4")))), list)
     assert isinstance(loads(cbor2.dumps(typed(np.zeros(10_001, "<f4")))), NumberArray)
     data = cbor2.dumps([typed(np.zeros(6000, "<f4"))] * 2)
@@ -160,7 +160,7 @@ def test_the_operators_bound_on_items_is_kept():
 
 
 @pytest.mark.parametrize("name", [row.name for row in Table.load().rows])
-def test_what_the_gateway_sends_as_cbor_can_be_sent_back(name):
+def test_messages_that_the_gateway_sends_as_cbor_can_be_sent_back(name):
     known = TYPES.get(name)
     for seed in range(5):
         cdr = known.encode(to_json(RandomMessages(DEFINITIONS, seed).message(name)), 0)

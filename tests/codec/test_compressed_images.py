@@ -45,7 +45,7 @@ def colours(dtype: Any = np.uint8, channels: int = 3) -> Any:
 
 @pytest.mark.parametrize("extension", [".jpg", ".png"])
 @pytest.mark.parametrize("picture_format", ["jpeg", "png"])
-def test_a_picture_is_scaled_and_coded_anew(extension, picture_format):
+def test_a_picture_is_scaled_and_encoded_again(extension, picture_format):
     options = ImageOptions(picture_format, max_width=30)
     message = rendered(
         options, format="bgr8; jpeg compressed bgr8", data=coded(colours(), extension)

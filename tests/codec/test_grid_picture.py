@@ -36,7 +36,7 @@ def test_each_pixel_is_the_octet_of_its_cell(cells: list[int]):
     assert pixels[0].tolist() == [255, 0, 100]
 
 
-def test_the_picture_stands_beside_what_the_plain_message_has():
+def test_the_picture_comes_with_the_other_fields_of_the_message():
     sample = cdr(2, 1, [0, 100])
     plain = json.loads(json.dumps(TYPE.decode(sample), default=float))
     message = json.loads(grid_renderer(TYPE)(sample))
@@ -68,6 +68,6 @@ def test_cbor_has_the_bytes_of_the_picture_and_the_info_of_plain_cbor():
         (cdr(2, 1, [0, 1])[:-1], "need 2 bytes"),
     ],
 )
-def test_what_has_no_picture_raises_codec_error(render: Any, sample: bytes, reason: str):
+def test_a_map_without_a_picture_raises_codec_error(render: Any, sample: bytes, reason: str):
     with pytest.raises(CodecError, match=reason):
         render(TYPE)(sample)

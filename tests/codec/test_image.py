@@ -341,7 +341,7 @@ def test_the_same_picture_comes_out_of_every_thread():
     assert set(pictures) == {compress(image("rgb8"), FINE_JPEG)}
 
 
-def test_confined_opencv_has_no_threads_of_its_own():
+def test_confined_opencv_starts_no_threads():
     before = cv2.getNumThreads()
     try:
         confine_to_calling_thread()
@@ -404,7 +404,7 @@ def floats_row(encoding, numbers):
     ],
 )
 @pytest.mark.parametrize("encoding", ["32FC2", "64FC2"])
-def test_numbers_are_stretched_and_what_is_none_is_black(encoding, numbers, shown):
+def test_numbers_are_stretched_and_nan_is_black(encoding, numbers, shown):
     pixels = decoded(compress(floats_row(encoding, numbers), PNG))
     assert pixels[0, :, 0].tolist() == shown
 
@@ -457,7 +457,7 @@ NO_MEASUREMENTS = [0.0, -0.0, np.nan, np.inf, -np.inf, -1.0, 1e-40]
 
 
 @pytest.mark.parametrize("options", [ImageOptions(quality=100), PNG])
-def test_depth_that_is_no_measurement_is_black(options):
+def test_depth_without_a_measurement_is_black(options):
     picture = compress(depth_row("32FC1", [*NO_MEASUREMENTS, 0.001]), options)
     pixels = decoded(picture)[8, 8::16]
     assert pixels[:-1].max() == 0

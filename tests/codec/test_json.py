@@ -67,7 +67,7 @@ def test_json_is_read(text):
         (b'["\xed\xa0\x80"]', r"frame is not UTF-8 at offset 2$"),
     ],
 )
-def test_what_is_no_json_raises_json_error_with_the_place(data, reason):
+def test_invalid_json_raises_json_error_with_the_place(data, reason):
     with pytest.raises(JsonError, match=f"^{reason}") as caught:
         loads(data)
     assert caught.value.offset is not None
@@ -153,7 +153,7 @@ def test_duplicates_are_found_wherever_they_are_and_only_there(text):
 
 
 @given(TEXTS, st.integers(0, 70), st.sampled_from([1, 7, 64, 65, 4096]))
-def test_what_strings_hold_is_not_counted_wherever_a_text_is_cut(text, before, piece):
+def test_contents_of_strings_are_not_counted_wherever_a_text_is_cut(text, before, piece):
     text = " " * before + text
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(json_bounds, "PIECE_BYTES", piece)
@@ -204,7 +204,7 @@ def test_items_are_bounded():
     assert len(loads(text, max_items=100_001)) == 100_001
 
 
-def test_an_empty_array_is_an_item_of_its_own_and_has_none():
+def test_an_empty_array_is_one_item():
     assert loads("[" + "[]," * 15_000 + "0," * 80_000 + "0]")
     with pytest.raises(
         JsonError, match=r"^JSON has over 100000 items; send fewer, or raise limits.max_json_items$"
@@ -233,12 +233,12 @@ def test_strings_are_bounded_and_names_count():
     assert loads(json.dumps(['"' * 125_000]))  # quotes in a string, in a text that is not large
 
 
-def test_commas_and_brackets_in_strings_are_no_items():
+def test_commas_and_brackets_in_strings_are_not_items():
     text = json.dumps(["[,{" * 30_000, '\\",' * 20_000])
     assert loads(text) == json.loads(text)
 
 
-def test_what_strings_of_a_large_text_hold_is_no_item():
+def test_contents_of_strings_in_a_large_text_are_not_items():
     for text in (["a" * 250, ",[{:" * 60] * 1100, [",[{:" * 200_000, "\\" * 60_000, '"' * 10_000]):
         assert loads(json.dumps(text)) == text
     many = ["a" * 250] * 1100
@@ -272,7 +272,7 @@ def cost_of(text: str) -> int:
         ("characters that are not ASCII", '["\\ud83d\\ude00', "a"),
     ],
 )
-def test_what_takes_too_long_to_read_is_refused(reason, start, filling):
+def test_text_that_takes_too_long_to_read_is_refused(reason, start, filling):
     end = '"]' if start.count('"') % 2 else "1]"
     each = cost_of(start + filling * 2 + end) - cost_of(start + filling + end)
     count = (13_000_000 - cost_of(start + end)) // each
@@ -289,7 +289,7 @@ def test_a_text_that_is_too_long_is_refused_for_its_length():
         loads('["' + "a" * 13_000_000 + '"]')
 
 
-def test_what_others_write_takes_not_too_long():
+def test_text_of_other_writers_does_not_take_too_long():
     numbers = [0.1234567890123456 + index * 1e-16 for index in range(99_900)]
     for text in (
         json.dumps({"ranges": numbers}, indent=2),
@@ -367,10 +367,10 @@ def test_escaped_json_is_ascii_and_the_same(value):
     assert json.loads(escaped) == value
 
 
-def test_what_is_beyond_16_bits_is_escaped_as_a_surrogate_pair():
+def test_characters_beyond_16_bits_are_escaped_as_surrogate_pairs():
     assert ascii_only('{"ä":"a\\"🤖"}'.encode()) == rb'{"\u00e4":"a\"\ud83e\udd16"}'
 
 
-def test_what_is_ascii_already_is_not_copied():
+def test_ascii_text_is_not_copied():
     text = b'{"a":1}'
     assert ascii_only(text) is text

@@ -62,7 +62,7 @@ def short(monkeypatch):
 
 
 @given(VALUES, st.sampled_from([None, 1]))
-def test_what_is_read_in_slices_is_what_is_read_at_once(value, indent):
+def test_reading_in_slices_and_reading_at_once_give_the_same_values(value, indent):
     text = json.dumps(value, indent=indent)
     with pytest.MonkeyPatch.context() as patch:
         short.__wrapped__(patch)
@@ -75,7 +75,7 @@ def test_what_is_read_in_slices_is_what_is_read_at_once(value, indent):
     ["[1,2,]", "[1,,2]", "[,1]", "[1 2]", "[1,02]", "[1.,2]", "[+1,2]", "[1:2]", "[1,x]", "[,,]",
      "[1,\xff]", "[1,true]", "[1,2", "[1,2}", "{1,2]", '{"a":[1,2],"a":1}', "[1,[2,3]", "[1,2]]"],
 )  # fmt: skip
-def test_what_is_no_json_is_refused(short, text):
+def test_invalid_json_is_refused(short, text):
     del short
     with pytest.raises(JsonError):
         read(text.encode("latin-1"))
@@ -98,7 +98,7 @@ def test_an_array_takes_the_least_bytes_that_hold_its_numbers():
     assert numbers("[" + "1," * 40_000 + f"{-(2**63) - 1}]").dtype == np.float64
 
 
-def test_numbers_in_long_arrays_are_no_items_and_others_are():
+def test_numbers_in_long_arrays_are_not_items_and_others_are():
     assert len(numbers("[" + "0," * 1_000_000 + "0]")) == 1_000_001
     with pytest.raises(JsonError, match="over 100000 items"):
         read("[" + '"",' + "0," * 100_000 + "0]")
@@ -128,7 +128,7 @@ def test_others_have_their_turn_while_a_long_text_is_looked_at_and_read():
 
 
 @pytest.mark.parametrize("filling", [b" ", b"x", b"1"])
-def test_what_follows_a_bracket_that_nothing_closes_takes_time(filling: bytes):
+def test_text_behind_an_unclosed_bracket_takes_time(filling: bytes):
     with pytest.raises(JsonError, match="takes too long to read, for its numbers and white space"):
         in_one_go(loads_in_slices(b"[" + filling * 4_000_000))
 

@@ -170,7 +170,7 @@ def test_skipping_many_elements_pauses_now_and_then():
     assert pauses > 180 // 64
 
 
-def test_what_is_truncated_raises_codec_error_with_its_offset():
+def test_truncated_data_raises_codec_error_with_its_offset():
     message_type, cdr = cdr_of("path")
     with pytest.raises(CodecError) as sliced:
         run(message_type.sliced_decoder()(cdr[:-3], writer("null")))
@@ -179,7 +179,7 @@ def test_what_is_truncated_raises_codec_error_with_its_offset():
     assert str(sliced.value) == str(whole.value)
 
 
-def test_what_is_not_plain_cdr_raises_codec_error():
+def test_data_that_is_not_plain_cdr_raises_codec_error():
     message_type, cdr = cdr_of("path")
     with pytest.raises(CodecError, match="encapsulation 0x0007"):
         run(message_type.sliced_decoder()(b"\0\7" + cdr[2:], writer("null")))

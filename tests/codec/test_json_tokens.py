@@ -50,7 +50,7 @@ def test_a_token_is_taken_as_a_value(token, text):
 
 
 @given(VALUES, st.booleans(), st.sampled_from([None, 1]))
-def test_what_python_writes_is_read_as_python_reads_it(value, ensure_ascii, indent):
+def test_text_that_python_writes_is_read_as_python_reads_it(value, ensure_ascii, indent):
     try:
         text = json.dumps(value, ensure_ascii=ensure_ascii, indent=indent).encode()
         text.decode().encode()
@@ -64,7 +64,7 @@ def test_what_python_writes_is_read_as_python_reads_it(value, ensure_ascii, inde
 
 
 @given(st.lists(st.sampled_from(PIECES), max_size=14).map("".join))
-def test_what_python_refuses_is_refused_and_nothing_else(text):
+def test_only_text_that_python_refuses_is_refused(text):
     try:
         expected = json.loads(text, object_pairs_hook=distinct)
     except ValueError:
@@ -97,7 +97,7 @@ def test_a_token_in_any_other_place_is_refused(text):
         ("[nope,NaN]", "line 1, column 2$"),
     ],
 )
-def test_an_error_beside_a_token_has_its_place_in_the_client_s_text(text, place):
+def test_an_error_next_to_a_token_has_its_place_in_the_client_s_text(text, place):
     with pytest.raises(JsonError, match=place) as caught:
         loads(text)
     assert caught.value.offset is not None
@@ -109,7 +109,7 @@ def test_tokens_can_be_refused(token):
         loads(f"[{token}]", takes_tokens=False)
 
 
-def test_the_bounds_hold_beside_tokens():
+def test_the_bounds_hold_for_text_with_tokens():
     with pytest.raises(JsonError, match="deeper than 3 levels"):
         loads("[[[[NaN]]]]", max_depth=3)
     with pytest.raises(JsonError, match="over 3 items"):
@@ -129,7 +129,7 @@ def test_a_long_text_with_tokens_is_refused_with_what_to_write_instead():
         loads(" " + text)
 
 
-def test_too_many_tokens_are_refused_and_strings_beside_them_count():
+def test_too_many_tokens_are_refused_and_strings_count():
     for text in ('"a",', "NaN,"):
         loads(f"[{text * (MAX_TOKENS - 1)}NaN]")
         with pytest.raises(JsonError, match="at most 20000 strings and NaN or Infinity"):
@@ -137,7 +137,7 @@ def test_too_many_tokens_are_refused_and_strings_beside_them_count():
         loads("[" + '"a",' * MAX_TOKENS + "1]")
 
 
-def test_the_integers_that_stand_for_tokens_are_refused_beside_them_only():
+def test_the_integers_that_stand_for_tokens_are_refused_only_with_tokens():
     for number, value in json_tokens._NUMBERS.items():
         assert loads(f"[{number}]") == [number]
         assert same(loads(json.dumps([value])), [value])

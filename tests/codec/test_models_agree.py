@@ -76,7 +76,7 @@ def change(value, rng):
 
 
 @pytest.mark.parametrize("name", DEFINITIONS.names())
-def test_what_a_model_takes_is_encoded_and_nothing_else(name, types, models):
+def test_only_values_that_a_model_accepts_are_encoded(name, types, models):
     rng = random.Random(name)
     message_type, model = types.get(name), models.get(name)
     for seed in range(25):

@@ -74,7 +74,7 @@ def test_finite_values_are_written_as_ever():
         assert writer(form)(value) == dumps(value)
 
 
-def test_an_array_keeps_the_digits_of_its_type_beside_infinities():
+def test_an_array_with_infinities_keeps_the_digits_of_its_type():
     ranges = np.array([0.1, np.inf, -np.inf, np.nan, 1e13], np.float32)
     assert writer("string")({"ranges": ranges}) == (
         b'{"ranges":[0.1,"Infinity","-Infinity","NaN",1e+13]}'

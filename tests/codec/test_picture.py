@@ -41,7 +41,7 @@ def test_depth_tells_its_range():
         assert packed["depth_range_m"] == [0.5, 4.0]
 
 
-def test_what_is_no_image_raises_codec_error():
+def test_data_that_is_not_an_image_raises_codec_error():
     for make in (picture_renderer, cbor_picture_renderer):
         with pytest.raises(CodecError, match="step is 1"):
             make(IMAGE, ImageOptions())(cdr(step=1))

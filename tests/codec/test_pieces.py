@@ -7,7 +7,7 @@ def test_pieces_are_as_long_as_the_bytes_that_they_amount_to():
     assert (len(pieces), bytes(pieces)) == (6, b"onetwo")
 
 
-def test_what_stands_within_other_bytes_is_not_copied():
+def test_a_part_of_other_bytes_is_not_copied():
     inner = b"x" * 100
     framed = Pieces.of([inner]).within(b"[", b"]")
     assert framed.parts[1] is inner

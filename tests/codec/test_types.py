@@ -79,7 +79,7 @@ def types():
 
 
 @pytest.mark.parametrize("name", DEFINITIONS.names() + PARTS)
-def test_what_json_says_comes_back_from_cdr(name, types):
+def test_json_values_come_back_from_cdr(name, types):
     message_type = types.get(name)
     for seed in range(2):
         values = to_json(RandomMessages(DEFINITIONS, seed, longest=2).message(name))
@@ -158,7 +158,7 @@ def test_the_schema_of_a_service_or_an_action_is_that_of_the_generator(types):
 @pytest.mark.parametrize(
     "name", ["SetBool", "std_srvs/SetBool", ODOMETRY, FIBONACCI, f"{SET_BOOL}_Request"]
 )
-def test_what_is_no_service_type_name_raises_unknown_type_error(types, name):
+def test_an_invalid_service_type_name_raises_unknown_type_error(types, name):
     types.action(FIBONACCI)  # knowing it must make no difference
     with pytest.raises(UnknownTypeError) as caught:
         types.service(name)
@@ -166,7 +166,7 @@ def test_what_is_no_service_type_name_raises_unknown_type_error(types, name):
 
 
 @pytest.mark.parametrize("name", ["Fibonacci", SET_BOOL, f"{FIBONACCI}_Goal"])
-def test_what_is_no_action_type_name_raises_unknown_type_error(types, name):
+def test_an_invalid_action_type_name_raises_unknown_type_error(types, name):
     types.service(SET_BOOL)
     with pytest.raises(UnknownTypeError) as caught:
         types.action(name)
@@ -210,7 +210,7 @@ def test_more_values_than_fields_raise_invalid_value_error(types, name, expected
         (3, "args: expected an object, got 3"),
     ],
 )
-def test_what_is_no_request_is_told_in_the_words_of_its_service(types, value, reason):
+def test_an_error_in_a_request_names_the_service(types, value, reason):
     with pytest.raises(InvalidValueError) as caught:
         types.service(SET_BOOL).request.encode(value, now_ns=0, root="args")
     assert str(caught.value) == reason.replace("SERVICE", SET_BOOL)
@@ -251,13 +251,13 @@ def test_null_reaches_ros_as_nan(types):
     assert dumps(decoded) == b'{"x":null,"y":1.0,"z":0.0}'
 
 
-def test_what_takes_too_much_is_refused_in_words(types):
+def test_a_value_that_costs_too_much_is_refused_with_a_reason(types):
     markers = {"markers": [{"id": 1}] * 20_000}
     with pytest.raises(TooManyFieldsError, match=r"^args: over 60000 values .* fewer elements"):
         types.get("visualization_msgs/msg/MarkerArray").encode(markers, now_ns=0, root="args")
 
 
-def test_what_does_not_fit_raises_invalid_value_error_with_its_path(types):
+def test_a_value_that_does_not_fit_raises_invalid_value_error_with_its_path(types):
     with pytest.raises(InvalidValueError, match=r"^args\.x: expected a number") as caught:
         types.get("geometry_msgs/msg/Point").encode({"x": "1"}, now_ns=0, root="args")
     assert caught.value.path == "args.x"

@@ -24,7 +24,7 @@ TEXTS = st.lists(st.binary(max_size=3) | st.text(max_size=3).map(str.encode)).ma
 @example(2, "😀".encode())
 @example(2, "😀".encode()[:3])
 @example(0, b"\xf0\x9f\x98\x80\x80")
-def test_what_is_no_utf8_is_found_where_python_finds_it(before_the_cut, text):
+def test_invalid_utf8_is_found_where_python_finds_it(before_the_cut, text):
     for data in (text, b"a" * (PIECE - before_the_cut) + text + b"a" * PIECE):
         assert invalid_at(data) == place(data)
 

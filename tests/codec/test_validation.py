@@ -155,7 +155,7 @@ def test_the_path_is_that_of_the_first_problem(types):
     assert caught.value.path == "msg.poses[0].position.x"
 
 
-def test_what_a_client_wrote_is_cut(types):
+def test_a_client_s_text_is_cut(types):
     reason = reason_of(types, TWIST, {"x" * 10_000: 1, "y" * 10_000: 1, "z" * 10_000: 1})
     assert len(reason) < 1000
     assert f"msg.{'x' * 124}...: unknown field" in reason

@@ -179,7 +179,7 @@ async def test_a_closed_client_stays_until_goals_that_were_given_up_are_decided(
     assert len(slow.provider.cancels) == 2
 
 
-async def test_what_else_a_client_waits_for_fails_when_it_closes_though_it_stays(
+async def test_other_requests_of_a_client_fail_when_it_closes_though_it_stays(
     ros: RclpyRos, slow: Slow
 ) -> None:
     client = ros.action_client("/dock", FIBONACCI)

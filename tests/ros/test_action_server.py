@@ -169,7 +169,7 @@ async def test_the_oldest_results_make_room_for_new_ones(caller: Caller) -> None
     assert statuses == [0, SUCCEEDED, SUCCEEDED]
 
 
-async def test_who_comes_too_late_to_wait_takes_nobody_s_place(
+async def test_a_request_that_is_too_late_to_wait_takes_no_place(
     caller: Caller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(limits, "MAX_WAITING", 2)

@@ -145,7 +145,7 @@ async def test_nothing_is_lost_of_a_burst_that_fits(robot: Robot) -> None:
     assert subscription.lost == lost
 
 
-async def test_what_is_published_reaches_an_outside_subscription(robot: Robot) -> None:
+async def test_a_published_message_reaches_an_outside_subscription(robot: Robot) -> None:
     received = Received()
     robot.world.add_subscription("/command", INT32, received.on_samples)
     await until_it_flows(robot.ros.advertise("/command", INT32, Qos(), lambda _: None), received)
@@ -190,7 +190,7 @@ async def test_a_subscription_may_be_closed_by_its_own_callback(robot: Robot) ->
     assert robot.ros.entity_count() == 1
 
 
-async def test_what_the_gateway_says_itself_arrives_and_counts_as_no_entity(robot: Robot):
+async def test_messages_of_the_gateway_itself_arrive_and_count_as_no_entity(robot: Robot):
     received, _ = subscribe(robot, "/self")
     count = robot.ros.entity_count()
     publisher = robot.ros.advertise_own("/self", INT32, Qos())
@@ -331,7 +331,7 @@ async def test_a_publisher_hears_of_subscriptions_to_another_type(robot: Robot) 
     assert reasons[0].problem.startswith("topic /count: /outside subscribes to std_msgs/msg/String")
 
 
-async def test_who_joins_in_the_place_of_another_is_known_as_another(robot: Robot) -> None:
+async def test_a_subscriber_in_the_place_of_another_has_another_id(robot: Robot) -> None:
     _, publisher = advertise(robot, "/count", Qos())
     assert publisher.new_matches() == 0
     found: list[frozenset[str]] = []
@@ -372,7 +372,7 @@ async def test_latched_publishers_keep_what_each_of_them_said_last(robot: Robot)
     await eventually(lambda: sorted(each.cdr for each in late) == [number(1), number(2)])
 
 
-async def test_who_joins_late_gets_what_each_publisher_keeps_then(robot: Robot) -> None:
+async def test_a_late_subscriber_gets_the_messages_that_each_publisher_keeps(robot: Robot) -> None:
     one, other, gone = (robot.world.add_publisher("/map", INT32, LATCHED) for _ in range(3))
     received, subscription = subscribe(robot, "/map", qos=replace(LATCHED, depth=50))
     await eventually(lambda: subscription.publishers == 3)
@@ -450,7 +450,7 @@ async def test_latched_samples_come_once_while_other_publishers_come_and_go(
     assert received.cdrs == [number(value) for value in range(20)]
 
 
-async def test_who_names_the_type_first_gets_each_latched_sample_once_and_in_order(
+async def test_the_first_to_name_the_type_gets_each_latched_sample_once_and_in_order(
     robot: Robot,
 ) -> None:
     received, subscription = subscribe(robot, "/map", qos=Qos(depth=100))

@@ -220,7 +220,7 @@ async def test_giving_up_on_a_result_leaves_the_goal(both: Both) -> None:
     assert both.provider.cancels == []
 
 
-async def test_a_rejected_goal_is_none(robot: Robot) -> None:
+async def test_a_rejected_goal_does_not_exist(robot: Robot) -> None:
     provider = Provider()
     robot.world.add_action_server(
         "/dock", FIBONACCI, *provider.callbacks, accepts=lambda cdr: order_of(cdr) < 10

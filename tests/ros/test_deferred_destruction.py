@@ -40,7 +40,7 @@ def services(ros: RclpyRos, name: str) -> list[Any]:
     return [each for each in node.services if each.service_name == name]
 
 
-async def test_what_is_kept_is_destroyed_half_a_second_later(
+async def test_a_kept_entity_is_destroyed_half_a_second_later(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     clock = StoppedClock(monkeypatch)
@@ -53,7 +53,7 @@ async def test_what_is_kept_is_destroyed_half_a_second_later(
     assert destroyed == ["a"]
 
 
-async def test_what_is_left_when_all_ends_is_destroyed_once_it_may_have_been_heard(
+async def test_at_the_end_an_entity_is_destroyed_once_it_may_have_been_heard(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     happened: list[object] = []
@@ -65,7 +65,7 @@ async def test_what_is_left_when_all_ends_is_destroyed_once_it_may_have_been_hea
     assert happened == [0.05, "a"]
 
 
-async def test_what_is_used_again_is_not_destroyed() -> None:
+async def test_an_entity_that_is_used_again_is_not_destroyed() -> None:
     deferred = DeferredDestruction(asyncio.get_running_loop())
     destroyed: list[str] = []
     deferred.cancel(deferred.defer("topic /a", INT32, lambda: destroyed.append("a")))
@@ -132,7 +132,7 @@ async def test_a_service_answers_those_who_have_not_heard_of_its_end(ros: RclpyR
     await eventually(lambda: services(ros, "/s") == [])
 
 
-async def test_a_service_that_is_provided_anew_answers_alone(ros: RclpyRos) -> None:
+async def test_a_service_that_is_provided_again_answers_alone(ros: RclpyRos) -> None:
     service = ros.serve("/s", SET_BOOL, echo)
     client = ros.client("/s", SET_BOOL)
     await soon(client.call(request(True)))
@@ -160,7 +160,7 @@ async def test_nothing_is_left_when_all_ends() -> None:
     assert list(node.publishers) == []
 
 
-async def test_who_looks_here_sees_the_end_at_once(ros: RclpyRos) -> None:
+async def test_the_gateway_sees_the_end_at_once(ros: RclpyRos) -> None:
     service = ros.serve("/s", SET_BOOL, echo)
     await soon(ros.client("/s", SET_BOOL).call(request(True)))
     action = ros.serve_action(
@@ -180,7 +180,7 @@ async def test_who_looks_here_sees_the_end_at_once(ros: RclpyRos) -> None:
     assert len(services(ros, "/s")) == 1
 
 
-async def test_somebody_elses_server_of_that_name_is_seen(ros: RclpyRos, outside: Outside) -> None:
+async def test_another_server_of_that_name_is_seen(ros: RclpyRos, outside: Outside) -> None:
     service = ros.serve("/s", SET_BOOL, echo)
     await soon(ros.client("/s", SET_BOOL).call(request(True)))
     outside.add_service("/s", SET_BOOL, echo)

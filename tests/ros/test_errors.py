@@ -14,7 +14,7 @@ def test_a_refusal_names_its_subject_and_not_the_source_of_rcl() -> None:
         raise RuntimeError("no room, at ./src/rcl/publisher.c:12")
 
 
-def test_what_no_refusal_explains_is_let_through() -> None:
+def test_an_exception_that_is_not_a_refusal_is_let_through() -> None:
     with pytest.raises(LookupError), refusals("topic /a"):
         raise LookupError
 

@@ -127,7 +127,7 @@ class AnswersMeanwhile(ExecutorThread):
     def _asked_s(self, value: float | None) -> None: ...
 
 
-def test_an_answer_that_comes_while_it_is_looked_for_is_no_failure() -> None:
+def test_an_answer_that_arrives_during_the_search_is_not_a_failure() -> None:
     context = Context()
     context.init(args=[], domain_id=int(os.environ["ROS_DOMAIN_ID"]))
     spinning = AnswersMeanwhile(context)

@@ -22,7 +22,7 @@ class Opened:
         self.address = ctypes.addressof(self._cdr)
 
 
-def test_what_is_written_follows_what_was_written():
+def test_written_bytes_follow_earlier_ones():
     functions = FastCdr()
     cdr = Opened(functions, bytes(9))
     for octets in (b"abc", b"", b"d\0fgh"):

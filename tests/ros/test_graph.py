@@ -167,7 +167,7 @@ async def test_following_the_graph_takes_at_most_a_tenth_of_the_loop(
     assert settling.settled_s[:2] == [0.02, settle_s]
 
 
-async def test_where_nobody_can_wait_the_graph_is_looked_at_twice_a_second(
+async def test_without_a_way_to_wait_the_graph_is_checked_twice_a_second(
     watching: Outside,
 ) -> None:
     changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: None, polling=True)

@@ -34,7 +34,7 @@ def test_without_numbers_times_are_compared_and_without_ids_all_passes():
     assert heard.new(anonymous) == heard.hold(anonymous) == anonymous
 
 
-def test_what_waits_is_bounded(monkeypatch):
+def test_waiting_samples_are_bounded(monkeypatch):
     heard = HeardSamples()
     assert heard.hold(samples(b"a", 1, size=heard_samples.MAX_HELD_BYTES)) == []
     assert numbers(heard.hold(samples(b"b", 2))) == [1, 2]

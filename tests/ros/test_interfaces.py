@@ -41,7 +41,7 @@ def test_a_missing_message_names_type_and_package() -> None:
 @pytest.mark.parametrize(
     ("find", "kind"), [(message_class, "msg"), (service_class, "srv"), (action_class, "action")]
 )
-def test_a_package_that_is_no_ros_package_is_not_imported(
+def test_a_package_that_is_not_a_ros_package_is_not_imported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, find: Callable[[str], object], kind: str
 ) -> None:
     for folder in (tmp_path / "innocent", tmp_path / "innocent" / kind):

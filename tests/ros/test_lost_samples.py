@@ -51,7 +51,7 @@ def test_numbers_of_several_publishers_say_nothing():
     assert reader.take(103, 105) == 1
 
 
-def test_who_left_between_two_samples_is_not_counted():
+def test_a_publisher_that_left_between_two_samples_is_not_counted():
     reader = Reader()
     reader.publishers = 2
     reader.take(1, 50)
@@ -59,7 +59,7 @@ def test_who_left_between_two_samples_is_not_counted():
     assert reader.take(90) == 0
 
 
-def test_what_dds_counts_too_is_not_counted_twice():
+def test_losses_that_dds_also_counts_are_not_counted_twice():
     reader = Reader()
     reader.take(1, 4)  # 2 of them
     assert reader.lost.take(by_dds=2) == 2

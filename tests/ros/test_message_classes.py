@@ -78,7 +78,7 @@ def test_services_and_actions_that_cannot_be_made_are_not_installed(
             assert caught.value.code == "bad_type"
 
 
-def test_where_no_service_can_be_made_the_reason_is_said(definitions: InstalledDefinitions):
+def test_if_no_service_can_be_made_the_error_gives_the_reason(definitions: InstalledDefinitions):
     classes = making(definitions, "none can be made here")
     for get, name in ((classes.service, USE), (classes.action, ACT)):
         with pytest.raises(RosError, match=r"my_msgs.*, and none can be made here"):
@@ -143,7 +143,7 @@ def test_a_type_that_nests_an_unknown_one_is_not_installed(definitions: Installe
         making(definitions).get("my_msgs/msg/Odd")
 
 
-def test_where_none_can_be_made_the_reason_is_said(definitions: InstalledDefinitions):
+def test_if_no_type_can_be_made_the_error_gives_the_reason(definitions: InstalledDefinitions):
     classes = making(definitions, "none can be made here")
     with pytest.raises(RosError) as caught:
         classes.get(LAMP)
@@ -151,7 +151,7 @@ def test_where_none_can_be_made_the_reason_is_said(definitions: InstalledDefinit
     assert (caught.value.code, str(caught.value)) == ("bad_type", text)
 
 
-def test_what_is_made_is_bounded(definitions: InstalledDefinitions, monkeypatch):
+def test_the_number_of_made_types_is_bounded(definitions: InstalledDefinitions, monkeypatch):
     classes = making(definitions)
     classes._made._made.update({(f"my_msgs/msg/Other{each}", ""): None for each in range(1023)})
     classes.get(LAMP)

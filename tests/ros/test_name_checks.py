@@ -67,7 +67,7 @@ def test_a_type_of_another_kind_is_refused() -> None:
 
 
 @pytest.mark.parametrize("name", ["std_msgs/String", "a/msg/b", "../msg/String", "a.b/msg/C", ""])
-def test_what_is_no_type_name_is_refused(name: str) -> None:
+def test_an_invalid_type_name_is_refused(name: str) -> None:
     with pytest.raises(RosError, match="is no message type name") as caught:
         split_type(name)
     assert caught.value.code == "bad_type"

@@ -14,7 +14,7 @@ def test_there_are_1280_entities_of_which_16_are_kept():
         check_room(1280, RosOptions(), is_reserved=True)
 
 
-def test_where_there_are_few_no_more_than_a_quarter_is_kept():
+def test_of_few_entities_at_most_a_quarter_is_reserved():
     check_room(5, RosOptions(max_entities=8), is_reserved=False)
     with pytest.raises(RosError, match="of which 2 are kept"):
         check_room(6, RosOptions(max_entities=8), is_reserved=False)

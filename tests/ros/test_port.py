@@ -224,7 +224,7 @@ async def test_topics_that_do_not_exist_are_not_remembered(outside: Outside) -> 
         assert set(ros._types) == {"/count"}  # type: ignore[attr-defined]  # its memory
 
 
-async def test_what_is_provided_here_is_known_before_dds_has_found_it(
+async def test_an_own_service_is_known_before_dds_has_found_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     for read in ("read_all_services", "read_actions"):
@@ -380,7 +380,7 @@ async def test_without_rclpy_both_ways_to_get_it_are_told(monkeypatch: pytest.Mo
             pass
 
 
-async def test_what_is_provided_here_is_in_the_graph_before_dds_has_found_it(
+async def test_an_own_service_is_in_the_graph_before_dds_has_found_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     nothing = Graph((), (), (), ())
@@ -492,7 +492,7 @@ async def test_two_hundred_rounds_of_each_kind_leave_nothing(taking: Taking) -> 
         ros.close()
 
 
-async def test_what_is_opened_and_closed_here_is_in_the_graph_and_out_of_it_at_once() -> None:
+async def test_own_entities_enter_and_leave_the_graph_at_once() -> None:
     async with open_ros() as ros:
 
         def names() -> set[str]:
@@ -523,7 +523,7 @@ async def test_the_services_behind_an_action_can_be_called_by_who_knows_them() -
         assert cancel not in [service.name for service in ros.graph().services]
 
 
-async def test_what_has_just_come_is_known_before_the_graphs_thread_tells(
+async def test_a_new_entity_is_known_before_the_thread_of_the_graph_reports_it(
     outside: Outside,
 ) -> None:
     async with open_ros() as ros:

@@ -68,7 +68,7 @@ def test_reliable_and_transient_local_only_if_all_are(
     assert (adopted.reliability, adopted.durability) == (reliability, durability)
 
 
-def test_what_is_asked_for_is_not_adopted() -> None:
+def test_values_that_are_asked_for_are_not_adopted() -> None:
     asked = Qos("reliable", "transient_local", "keep_last", 5, 10_000_000, 20_000_000)
     assert adopt(asked, [BEST_EFFORT]) == asked
 
@@ -94,7 +94,7 @@ def test_a_subscription_that_keeps_all_keeps_as_much_as_is_bounded() -> None:
     assert adopt(Qos(history="keep_all", depth=5), [RELIABLE]) == kept
 
 
-def test_a_depth_alone_is_no_other_request() -> None:
+def test_a_depth_alone_is_not_another_request() -> None:
     assert is_same_request(Qos(depth=1), Qos(depth=2))
     assert not is_same_request(Qos("reliable", depth=1), Qos("best_effort", depth=1))
 
@@ -187,7 +187,7 @@ def test_a_subscription_to_another_type_is_told_to_the_publisher() -> None:
 
 
 @pytest.mark.parametrize("asked", ALL)
-def test_what_a_client_offers_unless_it_says_otherwise_matches_every_subscription(
+def test_the_default_offer_of_a_client_matches_every_subscription(
     asked: Endpoint,
 ) -> None:
     qos = complete_offer(offered(Advertise(topic="/t", type=TYPE), SMALL))

@@ -170,7 +170,7 @@ async def test_messages_that_are_lost_on_the_way_are_told(outside: Outside):
         (Qos("reliable", history="keep_all"), "here; have it publish less"),
     ],
 )
-def test_what_is_lost_is_told_with_what_may_help(qos: Qos, remedy: str):
+def test_a_loss_is_reported_with_a_remedy(qos: Qos, remedy: str):
     event = _messages_lost("/odom", qos, 7)
     assert event.problem == "topic /odom: 7 messages were lost on the way here"
     assert remedy in event.text
@@ -207,7 +207,7 @@ async def test_nothing_is_looked_at_once_all_is_closed(ros: RclpyRos):
     assert (events._timer, len(events._open)) == (None, 0)
 
 
-async def test_what_lasts_is_told_again_after_5_s_with_its_number():
+async def test_a_lasting_problem_is_reported_again_after_5_s_with_its_number():
     counted = iter([1, 1, 3, 0, 0, 2])
     told: list[TopicEvent] = []
     destroyed: list[bool] = []

@@ -59,7 +59,7 @@ def test_rmw_writes_and_reads_what_is_given(length: int, classes: MadeClasses):
     assert live(classes) == 0
 
 
-def test_what_was_received_keeps_its_byte_order(classes: MadeClasses):
+def test_a_received_message_keeps_its_byte_order(classes: MadeClasses):
     cdr = b"\0\0\0\0" + b"\0\0\0\2a\0"
     assert deserialize_message(cdr, classes.get("std_msgs/msg/String")).cdr == cdr
 
@@ -130,7 +130,7 @@ async def test_a_wrong_response_arrives_as_it_is_and_is_refused_by_the_codec(
         Types(DEFINITIONS).get(f"{SET_BOOL}_Response").decode(got[: 4 + len(wrong)])
 
 
-async def test_what_cannot_be_sent_is_refused_and_the_request_is_still_open(ros: RclpyRos):
+async def test_a_response_that_cannot_be_sent_is_refused_and_the_request_stays_open(ros: RclpyRos):
     refusals: list[str] = []
 
     def answer(each: Request) -> None:
@@ -150,7 +150,7 @@ async def test_what_cannot_be_sent_is_refused_and_the_request_is_still_open(ros:
     assert refusals == [words]
 
 
-async def test_padding_behind_a_message_is_no_part_of_it(ros: RclpyRos, outside: Outside):
+async def test_padding_behind_a_message_is_not_part_of_it(ros: RclpyRos, outside: Outside):
     decode = Types(DEFINITIONS).get(f"{SET_BOOL}_Response").decode
     texts = ["", "a", "ab", "abc", "abcd"]
     served(outside, SetBool, lambda _: SetBool.Response(message=texts[0]))

@@ -74,7 +74,7 @@ def waiting(reader: Any) -> int:
     return int(next(line for line in lines if line.startswith("eventfd-count:")).split()[1], 16)
 
 
-async def test_what_waits_while_the_profile_is_replaced_is_not_lost(
+async def test_samples_that_wait_while_the_profile_is_replaced_are_not_lost(
     ros: RclpyRos, outside: Outside
 ) -> None:
     fed = Fed(ros, outside)

@@ -268,7 +268,7 @@ class NotASubscription(contextlib.nullcontext[None]):
     pointer = ctypes.addressof(_zeros)
 
 
-def test_what_rcl_refuses_is_said_in_its_words(node: Node, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_refusal_of_rcl_has_its_text(node: Node, monkeypatch: pytest.MonkeyPatch) -> None:
     take = rclpy_private.sample_taker()
     [subscription] = two_subscriptions(node, INT32)[:1]
     monkeypatch.setattr(takes, "handle_of", lambda _: NotASubscription())
@@ -441,7 +441,7 @@ def test_a_change_of_the_graph_and_a_wake_each_end_the_wait(node: Node) -> None:
     wait_set.close()
 
 
-def test_what_is_ready_and_a_wake_each_end_the_wait(context: Context, node: Node) -> None:
+def test_a_ready_source_and_a_wake_each_end_the_wait(context: Context, node: Node) -> None:
     subscription = node.create_subscription(INT32, "/count", print, 1)
     service = node.create_service(SET_BOOL, "/arm", print)
     client = node.create_client(SET_BOOL, "/arm")

@@ -98,7 +98,7 @@ def test_counts_have_the_byte_order_of_their_message():
         ("float64 a", b""),
     ],
 )
-def test_what_ends_too_early_is_refused(text: str, source: bytes):
+def test_a_message_that_ends_too_early_is_refused(text: str, source: bytes):
     with pytest.raises(RosError, match=r"my_msgs/msg/Any: need \d+ bytes at offset \d+") as caught:
         realignment(text).move(source, 0, STATUS, is_little_endian=True)
     assert caught.value.code == "internal"

@@ -43,7 +43,7 @@ async def test_a_name_that_two_nodes_have_is_warned_of_once(clock: StoppedClock,
     assert "ROS_DOMAIN_ID" in text
 
 
-async def test_a_node_that_was_killed_beside_its_successor_is_no_second_one(
+async def test_a_killed_node_next_to_its_successor_does_not_count_as_a_second_one(
     clock: StoppedClock, warned: Warned
 ):
     nodes = ["/robot", "/robot"]

@@ -204,7 +204,7 @@ async def test_a_flood_leaves_the_loop_to_others(
     reader.close()
 
 
-async def test_what_one_callback_raises_does_not_stop_the_samples(
+async def test_an_exception_in_one_callback_does_not_stop_the_samples(
     node: Node, outside: Outside, flood: Flood
 ) -> None:
     loop = asyncio.get_running_loop()
@@ -261,7 +261,7 @@ async def samples(node: Node) -> AsyncIterator[Samples]:
         yield samples
 
 
-async def test_what_follows_a_large_sample_is_taken_while_the_loop_serves_others(
+async def test_samples_behind_a_large_one_are_taken_while_the_loop_serves_others(
     samples: Samples, outside: Outside
 ) -> None:
     held = HeldTakes(samples)
@@ -347,7 +347,7 @@ async def test_a_reader_that_closes_delivers_nothing_that_the_thread_is_taking(
     assert received == []
 
 
-async def test_after_a_take_that_has_failed_the_loop_takes_what_has_come_meanwhile(
+async def test_after_a_failed_take_the_loop_takes_the_samples_that_have_come(
     samples: Samples, outside: Outside
 ) -> None:
     loop = asyncio.get_running_loop()
@@ -369,7 +369,7 @@ async def test_after_a_take_that_has_failed_the_loop_takes_what_has_come_meanwhi
     reader.close()
 
 
-async def test_what_arrives_while_the_thread_takes_brings_one_further_take_and_no_more(
+async def test_samples_that_arrive_while_the_thread_takes_bring_one_further_take(
     samples: Samples, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(samples.large_takes, "_take", lambda *_: None)  # all has been taken

@@ -246,7 +246,7 @@ async def test_a_server_that_has_come_before_word_of_it_keeps_its_calls(
 
 
 @pytest.mark.parametrize("cdr", [b"", b"\0\1\0\0", b"x"])
-async def test_what_is_no_cdr_of_the_type_is_refused(ros: RclpyRos, cdr: bytes) -> None:
+async def test_cdr_of_another_type_is_refused(ros: RclpyRos, cdr: bytes) -> None:
     requests: list[Request] = []
     ros.serve("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
@@ -260,7 +260,7 @@ async def test_what_is_no_cdr_of_the_type_is_refused(ros: RclpyRos, cdr: bytes) 
     assert text_of(await soon(calling)) == "better"
 
 
-async def test_what_a_callback_raises_keeps_no_other_request_waiting(ros: RclpyRos) -> None:
+async def test_an_exception_in_a_callback_does_not_delay_other_requests(ros: RclpyRos) -> None:
     raised: list[object] = []
     loop = asyncio.get_running_loop()
     loop.set_exception_handler(lambda _, context: raised.append(context["exception"]))
@@ -489,7 +489,7 @@ async def test_a_client_that_no_response_can_reach_stops_the_loop_only_so_often(
     assert text_of(await soon(calling)) == "heard"
 
 
-async def test_what_is_closed_leaves_the_callback_group_of_its_node(ros: RclpyRos) -> None:
+async def test_a_closed_entity_leaves_the_callback_group_of_its_node(ros: RclpyRos) -> None:
     group: Any = ros._services._endpoints.node.default_callback_group
     before = len(group.entities)
     for _ in range(3):

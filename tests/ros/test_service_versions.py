@@ -91,7 +91,7 @@ async def test_a_server_with_another_definition_is_not_called(
     assert asked == []
 
 
-async def test_the_same_definition_is_no_conflict(
+async def test_the_same_definition_is_not_a_conflict(
     gateway: Gateway, outside: Outside, caplog: pytest.LogCaptureFixture
 ):
     ros = gateway(f"# words\n{SAME}")

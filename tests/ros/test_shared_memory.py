@@ -37,7 +37,7 @@ def test_the_segment_of_a_dead_participant_is_removed_with_its_lock(tmp_path: Pa
     assert not newer.exists()
 
 
-def test_what_was_removed_is_logged_in_right_words(tmp_path: Path, segment: Path, caplog):
+def test_the_log_says_how_much_was_removed(tmp_path: Path, segment: Path, caplog):
     with caplog.at_level("INFO"):
         remove_abandoned_segments(tmp_path)
     assert caplog.messages == ["removed 1 segment of shared memory that killed programs left"]
@@ -71,7 +71,7 @@ def test_the_segment_of_another_user_stays(
 
 
 @pytest.mark.parametrize("name", ["fastrtps_port7411", "fastrtps_0123", "other_0123456789abcdef"])
-def test_what_is_no_segment_stays(tmp_path: Path, name: str):
+def test_a_file_that_is_not_a_segment_stays(tmp_path: Path, name: str):
     abandoned(tmp_path / name)
     assert remove_abandoned_segments(tmp_path) == 0
     assert len(list(tmp_path.iterdir())) == 2

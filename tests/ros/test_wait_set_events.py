@@ -78,7 +78,7 @@ class Subscription:
         self.take()
 
 
-async def test_what_is_ready_is_not_waited_for_until_it_is_taken(
+async def test_a_ready_source_is_not_waited_for_until_it_is_taken(
     node: Node, events: WaitSetReadyEvents
 ) -> None:
     subscription = Subscription(node, events)
@@ -97,7 +97,9 @@ async def test_what_is_ready_is_not_waited_for_until_it_is_taken(
     subscription.source.close()
 
 
-async def test_what_is_not_taken_is_told_again(node: Node, events: WaitSetReadyEvents) -> None:
+async def test_a_source_that_is_not_taken_is_reported_again(
+    node: Node, events: WaitSetReadyEvents
+) -> None:
     subscription = Subscription(node, events)
     await subscription.is_matched()
     subscription.on_ready = lambda: None  # type: ignore[method-assign]
@@ -217,7 +219,7 @@ async def test_a_wait_that_fails_is_tried_again_a_second_later(
     subscription.source.close()
 
 
-async def test_where_ros_has_ended_the_thread_ends_and_that_is_a_fault(
+async def test_if_ros_has_ended_the_thread_ends_with_a_fault(
     node: Node, events: WaitSetReadyEvents, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(entities: object) -> Sequence[int]:

@@ -175,7 +175,7 @@ async def test_null_in_an_array_of_doubles_is_nan(
         ("nowhere", 1, "the node has not declared it: "),
     ],
 )
-async def test_what_does_not_fit_is_refused_with_a_reason_and_harms_no_other(
+async def test_a_value_that_does_not_fit_is_refused_with_a_reason_and_harms_no_other(
     parameters: Parameters, robot: NodeWithParameters, name: str, value: object, reason: str
 ) -> None:
     results = await parameters.set("/robot", {name: value, "labels": ["set"]})
@@ -329,7 +329,7 @@ async def test_the_answer_to_the_first_question_counts_when_it_comes_late(
     assert await reading == ["speed"]
 
 
-async def test_what_sets_a_parameter_is_not_sent_again(
+async def test_a_request_that_sets_a_parameter_is_not_sent_again(
     nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     nodes.add("/robot", "speed")
@@ -487,7 +487,7 @@ async def test_a_node_that_answers_some_questions_is_not_taken_for_dead(
     assert await parameters.list_names("/robot", timeout_s=0.2) == ["speed"]
 
 
-async def test_what_changes_nothing_is_asked_again_after_1200_ms_and_then_twice_as_long(
+async def test_a_read_request_is_sent_again_after_1200_ms_and_then_twice_as_long(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     clock = StoppedClock(monkeypatch)

@@ -78,23 +78,23 @@ async def test_a_value_is_set_from_json(rosapi: Rosapi, robot: NodeWithParameter
     assert robot.value("speed") == 1.0
 
 
-async def test_text_that_is_no_json_is_not_set(rosapi: Rosapi, robot: NodeWithParameters) -> None:
+async def test_text_that_is_not_json_is_not_set(rosapi: Rosapi, robot: NodeWithParameters) -> None:
     answered = await answer(rosapi, "set_param", "/robot:camera.name", "rear")
     assert answered == {"successful": False, "reason": "value: expected JSON, got 'rear'"}
     assert robot.value("camera.name") == "front"
 
 
-async def test_a_long_text_that_is_no_json_comes_back_shortened(rosapi: Rosapi) -> None:
+async def test_a_long_text_that_is_not_json_comes_back_shortened(rosapi: Rosapi) -> None:
     answered = await answer(rosapi, "set_param", "/robot:speed", "x" * 10_000)
     assert len(answered["reason"]) < 2 * MAX_ECHO
 
 
-async def test_a_long_name_that_is_none_comes_back_shortened(rosapi: Rosapi) -> None:
+async def test_a_long_invalid_name_comes_back_shortened(rosapi: Rosapi) -> None:
     answered = await answer(rosapi, "delete_param", "x" * 10_000)
     assert answered["reason"] == f"name: expected node:parameter, got {'x' * 125 + '...'!r}"
 
 
-async def test_what_the_node_refuses_comes_with_its_reason(rosapi: Rosapi) -> None:
+async def test_a_refusal_of_the_node_comes_with_its_reason(rosapi: Rosapi) -> None:
     answered = await answer(rosapi, "set_param", "/robot:firmware", '"2.0"')
     assert not answered["successful"]
     assert "read-only" in answered["reason"]

@@ -64,7 +64,7 @@ JSON = st.recursive(
 
 
 @given(JSON, st.sampled_from(ParameterType))
-def test_whatever_a_client_sends_is_a_valid_message_or_refused(
+def test_any_value_of_a_client_is_a_valid_message_or_refused(
     value: Any, wanted: ParameterType
 ) -> None:
     try:
@@ -95,7 +95,7 @@ def test_whatever_a_client_sends_is_a_valid_message_or_refused(
         ([None], ParameterType.NOT_SET, "expected a boolean, a number, a string or an array"),
     ],
 )
-def test_what_is_wrong_is_said(value: Any, wanted: ParameterType, reason: str) -> None:
+def test_the_error_says_the_reason(value: Any, wanted: ParameterType, reason: str) -> None:
     with pytest.raises(ParameterValueError, match=f"^{reason.replace('+', '[+]')}"):
         message_of(value, wanted)
 

@@ -94,7 +94,9 @@ async def test_every_answer_fits_its_type(rosapi: Rosapi, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", LOCAL)
-async def test_what_needs_no_other_node_is_answered_at_once(rosapi: Rosapi, name: str) -> None:
+async def test_a_request_that_needs_no_other_node_is_answered_at_once(
+    rosapi: Rosapi, name: str
+) -> None:
     assert isinstance(rosapi.answer(f"/rosapi/{name}", ARGUMENTS[name]), dict)
 
 
@@ -187,7 +189,7 @@ async def test_rosapi_tells_of_itself_as_a_node(rosapi: Rosapi) -> None:
     assert own == sorted(rosapi.types())
 
 
-async def test_a_real_rosapi_beside_is_not_listed_twice(ros: FakeRos, rosapi: Rosapi) -> None:
+async def test_a_real_rosapi_node_is_not_listed_twice(ros: FakeRos, rosapi: Rosapi) -> None:
     ros.add_service("/rosapi/topics", "rosapi_msgs/srv/Topics", _ignore, node="/rosapi")
     services = (await answer(rosapi, "services"))["services"]
     assert services.count("/rosapi/topics") == 1

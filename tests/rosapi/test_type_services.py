@@ -101,7 +101,7 @@ def test_a_request_has_the_name_that_rosidl_gives_it(services: TypeServices) -> 
     assert only["fieldnames"] == ["data"]
 
 
-def test_what_an_action_sends_back_is_told(services: TypeServices) -> None:
+def test_details_of_result_and_feedback_are_returned(services: TypeServices) -> None:
     for role in ("result", "feedback"):
         answered: Any = services.details("action", role)({"type": "test_msgs/action/Fibonacci"})
         assert answered["typedefs"][0]["fieldnames"] == ["sequence"]
@@ -117,7 +117,7 @@ def test_what_an_action_sends_back_is_told(services: TypeServices) -> None:
         ("std_srvs/srv/SetBool", "is no message type"),
     ],
 )
-def test_a_message_that_is_none_is_an_error(
+def test_an_invalid_message_type_is_an_error(
     services: TypeServices, type_name: str, reason: str
 ) -> None:
     with pytest.raises(ProtocolError) as caught:
@@ -126,13 +126,13 @@ def test_a_message_that_is_none_is_an_error(
     assert reason in str(caught.value)
 
 
-def test_a_service_that_is_none_is_an_error(services: TypeServices) -> None:
+def test_an_invalid_service_type_is_an_error(services: TypeServices) -> None:
     with pytest.raises(ProtocolError, match=r"did you mean std_srvs/srv/SetBool\?") as caught:
         services.details("srv", "response")({"type": "std_srvs/SetBoool"})
     assert caught.value.code == "bad_type"
 
 
-def test_a_long_name_that_is_no_type_comes_back_shortened(services: TypeServices) -> None:
+def test_a_long_invalid_type_name_comes_back_shortened(services: TypeServices) -> None:
     for name in ("x" * 10_000, f"{'x' * 10_000}/Thing"):
         with pytest.raises(ProtocolError) as caught:
             services.message_details({"type": name})

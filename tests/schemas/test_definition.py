@@ -157,7 +157,7 @@ def test_a_first_block_that_touches_a_field_describes_the_field():
     assert definition.fields[0].comment == "The x."
 
 
-def test_indented_comments_below_a_comment_beside_a_field_continue_it():
+def test_indented_comments_below_a_comment_of_a_field_continue_it():
     x, y = parse("int8 x  # first\n        # second\n  # third\n# The y.\nint8 y").fields
 
     assert x.comment == "first\nsecond\nthird"
@@ -170,7 +170,7 @@ def test_an_indented_comment_below_a_bare_field_belongs_to_the_next():
     assert (x.comment, y.comment) == ("", "The y.")
 
 
-def test_a_comment_beside_the_last_field_is_kept():
+def test_a_comment_next_to_the_last_field_is_kept():
     assert parse("int8 x # last").fields == (Field("x", FieldType("int8"), None, "last"),)
 
 

@@ -44,7 +44,7 @@ def test_the_hash_of_whatever_is_derived_is_the_installed_one():
                 assert DEFINITIONS.get(each) == derived.get(each)
 
 
-def test_what_is_described_is_what_is_installed():
+def test_the_descriptions_equal_the_installed_ones():
     name = "rcl_interfaces/srv/GetParameters"
     derived = DerivedDefinitions(DEFINITIONS.interface(name), DEFINITIONS)
     description = type_description(derived.get(name), derived)
@@ -53,7 +53,7 @@ def test_what_is_described_is_what_is_installed():
     assert [each["type_name"] for each in described] == [name, *sorted(set(known) - {name})]
 
 
-def test_what_a_part_nests_must_be_known(tmp_path: Path):
+def test_nested_types_of_a_part_must_be_known(tmp_path: Path):
     folder = tmp_path / "my_msgs" / "action"
     folder.mkdir(parents=True)
     (folder / "Odd.action").write_text("---\nNobody x\n---\n")
@@ -64,7 +64,7 @@ def test_what_a_part_nests_must_be_known(tmp_path: Path):
         derived.closure(["my_msgs/action/Odd_GetResult"])
 
 
-def test_what_nests_itself_is_refused(tmp_path: Path):
+def test_a_type_that_nests_itself_is_refused(tmp_path: Path):
     (tmp_path / "my_msgs/msg").mkdir(parents=True)
     (tmp_path / "my_msgs/srv").mkdir()
     (tmp_path / "my_msgs/msg/Ring.msg").write_text("Ring[] rings\n")

@@ -52,7 +52,7 @@ def test_a_description_has_the_fields_of_every_installed_message():
             assert [(field.name, str(field.type)) for field in each.fields] == expected
 
 
-def test_the_source_has_comments_and_constants_beside_the_fields():
+def test_the_source_has_comments_and_constants_in_addition_to_the_fields():
     name = "sensor_msgs/msg/NavSatStatus"
     text = INSTALLED.get(name).text
     told = described_definitions(answer(name, source(name, text)))[name]
@@ -89,7 +89,7 @@ def test_a_source_that_says_something_else_is_not_used(text: str, encoding: str)
         (field(type_id=1, nested_type_name="a/b/c/d"), "is no type name"),
     ],
 )
-def test_what_is_no_message_is_refused_in_words(told: dict[str, Any], words: str):
+def test_an_invalid_message_is_refused_with_a_reason(told: dict[str, Any], words: str):
     with pytest.raises(DefinitionError, match=words):
         described_definitions(of_fields(told))
 

@@ -68,7 +68,7 @@ def test_a_package_may_have_its_definitions_in_any_of_its_folders(tmp_path: Path
     assert InstalledDefinitions([], [tmp_path]).get(NAME).text == "bool on\n"
 
 
-def test_what_a_folder_named_by_the_kind_has_goes_before_the_others_of_its_package(tmp_path: Path):
+def test_a_folder_named_by_the_kind_goes_before_the_others_of_its_package(tmp_path: Path):
     write(tmp_path / "package.xml", "<package><name>my_msgs</name></package>")
     write(tmp_path / "example/Lamp.msg", "bool other\n")
     write(tmp_path / "msg/Lamp.msg", "bool on\n")
@@ -91,7 +91,7 @@ def test_each_kind_has_its_files_and_plain_ones_come_before_idl(tmp_path: Path):
     ]
 
 
-def test_what_is_hidden_or_ignored_is_left_out(tmp_path: Path):
+def test_hidden_and_ignored_folders_are_left_out(tmp_path: Path):
     write(tmp_path / "COLCON_IGNORE")  # of the folder that was named: it is meant
     for place in (".git", "build", "log"):
         write(tmp_path / place / "my_msgs/msg/Lamp.msg")
@@ -126,7 +126,7 @@ def test_a_folder_that_goes_while_others_are_read_is_left_out(tmp_path: Path, mo
 
 
 @pytest.mark.parametrize("path", ["nowhere", "file"])
-def test_what_is_no_folder_raises(tmp_path: Path, path: str):
+def test_a_path_that_is_not_a_folder_raises(tmp_path: Path, path: str):
     write(tmp_path / "file")
     with pytest.raises(OSError, match=r"No such file|Not a directory"):
         names(tmp_path / path)
@@ -149,7 +149,7 @@ def test_definitions_of_folders_are_used_where_no_prefix_has_the_type(tmp_path: 
         definitions.get("my_msgs/msg/Other")
 
 
-def test_what_is_installed_is_guessed_first(tmp_path: Path):
+def test_installed_types_are_guessed_first(tmp_path: Path):
     write(tmp_path / "prefix/share/their_msgs/msg/Lamp.msg")
     write(tmp_path / "folder/my_msgs/msg/Lamp.msg")
     definitions = InstalledDefinitions([tmp_path / "prefix"], [tmp_path / "folder"])
@@ -221,14 +221,14 @@ def test_types_nest_64_levels_at_most(tmp_path: Path):
         definitions.closure(["my_msgs/msg/A65"])
 
 
-def test_what_is_no_file_is_no_definition(tmp_path: Path):
+def test_a_folder_is_not_a_definition(tmp_path: Path):
     (tmp_path / "my_msgs/msg/Folder.msg").mkdir(parents=True)
     (tmp_path / "my_msgs/msg/Dangling.msg").symlink_to(tmp_path / "nowhere")
     os.mkfifo(tmp_path / "my_msgs/msg/Fifo.msg")
     assert names(tmp_path) == []
 
 
-def test_a_hash_beside_a_definition_in_a_folder_is_not_believed(tmp_path: Path):
+def test_a_hash_next_to_a_definition_in_a_folder_is_not_believed(tmp_path: Path):
     write(tmp_path / "my_msgs/msg/Lamp.msg")
     hashes = [{"type_name": NAME, "hash_string": "RIHS01_nonsense"}]
     write(tmp_path / "my_msgs/msg/Lamp.json", json.dumps({"type_hashes": hashes}))
@@ -256,7 +256,7 @@ def shipped() -> tuple[InstalledDefinitions, list[str]]:
     ]
 
 
-def test_what_is_shipped_has_the_hash_of_what_robots_have():
+def test_shipped_types_have_the_hashes_that_robots_have():
     definitions, _ = shipped()
     published_hashes = Path(__file__).with_name("published_hashes.toml").read_text("utf-8")
     for package, hashes in tomllib.loads(published_hashes).items():
@@ -278,7 +278,7 @@ def test_all_that_is_shipped_makes_messages():
             assert re.fullmatch("RIHS01_[0-9a-f]{64}", type_hash(part, definitions))
 
 
-def test_what_is_shipped_is_of_packages_that_the_wheels_lack():
+def test_shipped_types_are_of_packages_that_the_wheels_lack():
     definitions, names = shipped()
     wheels = InstalledDefinitions(installed_prefixes()[-1:])
     assert not wheels.names(definitions.packages_in_folders())

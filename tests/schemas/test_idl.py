@@ -183,7 +183,7 @@ def test_a_key_is_known(annotation: str, is_key: bool):
     assert definition.is_keyed is is_key
 
 
-def test_what_changes_nothing_in_ros_is_skipped():
+def test_annotations_without_effect_in_ros_are_skipped():
     definition = parse_idl_message(
         NAME,
         """\ufeff// made by hand
@@ -317,7 +317,7 @@ RENAME = "name modules and structs like the file"
         ("long x: 3;", "expected ;, got :"),
     ],
 )  # fmt: skip
-def test_what_rosidl_does_not_read_is_refused_with_a_way_out(member, reason):
+def test_idl_that_rosidl_does_not_read_is_refused_with_a_way_out(member, reason):
     body = f"typedef double Three[3];\nstruct Thing {{ {member} }};"
     assert fault(body).partition(": ")[2] == reason
 
@@ -445,7 +445,7 @@ def test_a_file_is_read_as_rosidl_reads_it(body):
 
 
 @pytest.mark.parametrize("body", REFUSED_BY_ROSIDL)
-def test_what_rosidl_refuses_is_refused(body):
+def test_idl_that_rosidl_refuses_is_refused(body):
     rosidl = pytest.importorskip("rosidl_parser.parser")
     with pytest.raises(Exception):  # noqa: B017, PT011  # lark's errors, assertions, and others
         rosidl.parse_idl_string(wrapped(body))

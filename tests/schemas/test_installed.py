@@ -154,7 +154,7 @@ def test_a_part_and_its_whole_are_read_once(tmp_path):
     "name",
     ["", "SetBool", "std_srvs/SetBool", "std_srvs/msg/SetBool", "std_srvs/srv/SetBool_Request"],
 )
-def test_what_is_no_service_or_action_is_never_looked_up(name):
+def test_an_invalid_service_or_action_name_is_never_looked_up(name):
     definitions = InstalledDefinitions()
     with pytest.raises(UnknownTypeError, match="expected pkg/srv/Name or pkg/action/Name"):
         definitions.interface(name)
@@ -193,7 +193,7 @@ def test_a_type_that_nests_itself_raises_definition_error(tmp_path):
         InstalledDefinitions([tmp_path]).closure(["some_msgs/msg/A"])
 
 
-def test_a_comment_in_another_encoding_is_no_obstacle(tmp_path):
+def test_a_comment_in_another_encoding_is_read(tmp_path):
     write_definition(tmp_path, "some_msgs/msg/A", "")
     path = tmp_path / "share/some_msgs/msg/A.msg"
     path.write_bytes("# Größe\nint8 x".encode("latin-1"))
@@ -229,7 +229,7 @@ def test_a_type_may_be_defined_by_idl_alone(tmp_path):
     assert definitions.nearest("some_msgs/msg/Thin") == "some_msgs/msg/Thing"
 
 
-def test_the_hash_beside_idl_is_read(tmp_path):
+def test_the_hash_next_to_idl_is_read(tmp_path):
     write_idl(tmp_path, "some_msgs/msg/Thing", "struct Thing { long x; };")
     known = {"type_hashes": [{"type_name": "some_msgs/msg/Thing", "hash_string": "RIHS01_a"}]}
     (tmp_path / "share/some_msgs/msg/Thing.json").write_text(json.dumps(known))
@@ -275,7 +275,7 @@ def test_idl_that_cannot_be_read_is_a_definition_error(tmp_path):
         "some_msgs/msg/Thing_Request",
     ],
 )
-def test_what_is_no_type_name_is_never_looked_up(tmp_path, name):
+def test_an_invalid_type_name_is_never_looked_up(tmp_path, name):
     with pytest.raises(UnknownTypeError, match="expected pkg/msg/Name"):
         InstalledDefinitions([tmp_path]).get(name)
 
@@ -305,7 +305,7 @@ def test_overlays_come_before_the_python_environment(monkeypatch, tmp_path):
         b'{"type_hashes": [{"type_name": "some_msgs/msg/A"}]}',
     ],
 )
-def test_a_foreign_file_beside_a_definition_is_no_obstacle(tmp_path, content):
+def test_a_foreign_file_next_to_a_definition_is_ignored(tmp_path, content):
     write_definition(tmp_path, "some_msgs/msg/A", "int8 x")
     (tmp_path / "share/some_msgs/msg/A.json").write_bytes(content)
 
@@ -332,7 +332,7 @@ def test_a_file_that_may_not_be_read_raises_unknown_type_error(tmp_path, monkeyp
         InstalledDefinitions([tmp_path]).get("some_msgs/msg/A")
 
 
-def test_what_is_missing_is_named_also_where_another_type_nests_it(tmp_path):
+def test_a_missing_type_is_named_also_if_another_type_nests_it(tmp_path):
     write_definition(tmp_path, "some_msgs/msg/A", "lost_msgs/Thing[] things")
 
     with pytest.raises(UnknownTypeError) as caught:
@@ -366,7 +366,7 @@ def test_what_is_missing_is_named_also_where_another_type_nests_it(tmp_path):
         (f"nav_msgs/msg/{'A' * 200_000}", None),
     ],
 )
-def test_what_was_meant_is_guessed(name, meant):
+def test_the_intended_type_is_guessed(name, meant):
     assert InstalledDefinitions().nearest(name) == meant
 
 
@@ -389,7 +389,7 @@ def test_what_was_meant_is_guessed(name, meant):
         ("::" * 100_000, "msg", None),
     ],
 )
-def test_what_a_text_means_is_guessed(text, kind, meant):
+def test_the_type_that_a_text_means_is_guessed(text, kind, meant):
     assert InstalledDefinitions().meant(text, kind) == meant
 
 

@@ -15,7 +15,7 @@ OTHERS = st.sampled_from([-1, 256, 256.0, 2**64, True, False, 1.5, "1", None, [1
 @given(st.lists(OCTETS, max_size=40), OTHERS, st.lists(OCTETS | OTHERS, max_size=40))
 @example([], None, [])
 @example([0] * 99_999, 256, [])
-def test_the_first_item_that_is_no_octet_is_named(before, wrong, after):
+def test_the_first_item_that_is_not_an_octet_is_named(before, wrong, after):
     with pytest.raises(OctetsError, match=f"^item {len(before)} is no integer from 0 to 255$"):
         octets([*before, wrong, *after])
 

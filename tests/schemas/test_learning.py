@@ -51,7 +51,7 @@ def test_a_definition_with_another_hash_is_refused(definitions: InstalledDefinit
     assert definitions.told == {}
 
 
-def test_what_is_installed_stays(definitions: InstalledDefinitions):
+def test_installed_types_stay(definitions: InstalledDefinitions):
     tell(
         definitions,
         LAMP,
@@ -88,7 +88,7 @@ def test_a_nested_type_that_was_not_told_is_named(definitions: InstalledDefiniti
         ({LAMP: "bool on\n", "../../etc": ""}, "'../../etc' is no message type name"),
     ],
 )
-def test_what_is_too_much_is_refused(
+def test_too_many_definitions_are_refused(
     definitions: InstalledDefinitions, texts: Mapping[str, str], words: str
 ):
     told = {name: parse_definition(name, text) for name, text in texts.items()}
@@ -114,7 +114,7 @@ def test_a_type_that_others_in_use_nest_stays(definitions: InstalledDefinitions)
     assert definitions.get(BULB).fields[0].name == "off"
 
 
-def test_what_is_learned_is_bounded(definitions: InstalledDefinitions, monkeypatch):
+def test_the_number_of_learned_types_is_bounded(definitions: InstalledDefinitions, monkeypatch):
     monkeypatch.setattr(learning, "MAX_TOLD", 1)
     tell(definitions, LAMP, {LAMP: "bool on\n"})
     with pytest.raises(DefinitionError, match="at most 1 definitions of nodes"):

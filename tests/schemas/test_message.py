@@ -188,7 +188,7 @@ def test_a_float_without_a_fraction_is_an_integer(model, sent):
     ("model", "sent"),
     [(UInt8, 1.5), (UInt8, math.inf), (UInt8, math.nan), (UInt64, 2.0**53 + 2), (Int64, -1e300)],
 )
-def test_a_float_that_is_no_integer_for_sure_is_refused(model, sent):
+def test_a_float_that_may_not_be_an_integer_is_refused(model, sent):
     assert refusal(model, {"data": sent})[0] == ("data",)
     assert refusal(UInt8, {"data": 256.0})[1] == "less_than_equal"
 
@@ -204,7 +204,7 @@ def test_a_string_is_taken_as_it_is(sent):
 
 
 @pytest.mark.parametrize("sent", ["a\0b", "\0", "\ud800", "a\udfff", b"a", 1, None])
-def test_a_string_with_nul_or_lone_surrogate_and_what_is_no_string_is_refused(sent):
+def test_a_string_with_nul_or_lone_surrogate_or_another_value_is_refused(sent):
     assert refusal(String, {"data": sent})[0] == ("data",)
 
 
@@ -259,7 +259,7 @@ def test_base64_in_lines_is_taken_up_to_4_mib():
 
 
 @pytest.mark.parametrize("sent", ["QQ", "QQ=", "QQ\n", "Q-__", "ä", "====", "A", "QQ\0=="])
-def test_what_is_not_strictly_base64_is_refused(sent):
+def test_text_that_is_not_strict_base64_is_refused(sent):
     assert refusal(CompressedImage, {"data": sent})[1:] == ("octets", "text is no valid base64")
 
 
@@ -278,7 +278,7 @@ def test_octets_are_taken_from_nothing_else(sent):
     assert refusal(CompressedImage, {"data": sent})[1:] == ("octets", reason)
 
 
-def test_int8_arrays_are_no_octets():
+def test_int8_arrays_are_not_octets():
     assert Int8MultiArray.model_validate({"data": [-1]}).data == [-1]
     assert refusal(Int8MultiArray, {"data": "AQ=="})[1] == "list_type"
 

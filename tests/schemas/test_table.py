@@ -128,7 +128,7 @@ def test_a_type_outside_the_table_is_resolved_too(table):
         "std_srvs/srv/SetBool_Event",
     ],
 )
-def test_what_topics_of_actions_and_services_have_is_a_message_type(table, name):
+def test_topics_of_actions_and_services_have_message_types(table, name):
     assert resolve_type(name, table) == name
     for other in (name.replace("_Event", "_Request"), name.rpartition("_")[0]):
         if other != name:
@@ -154,7 +154,7 @@ def test_what_topics_of_actions_and_services_have_is_a_message_type(table, name)
         True,
     ],
 )
-def test_what_is_no_type_is_refused_with_the_forms_that_are(table, form):
+def test_an_invalid_type_is_refused_with_the_valid_forms(table, form):
     with pytest.raises(TypeNameError, match="expected pkg/msg/Name, pkg/Name or a table"):
         resolve_type(form, table)
 
@@ -177,12 +177,12 @@ def test_a_service_or_an_action_is_resolved_in_every_form(kind):
         "../srv/SetBool",
     ],
 )
-def test_what_is_no_service_type_is_refused_with_the_forms_that_are(form):
+def test_an_invalid_service_type_is_refused_with_the_valid_forms(form):
     with pytest.raises(TypeNameError, match="no service type: expected pkg/srv/Name or pkg/"):
         resolve_interface(form, "srv")
 
 
-def test_what_is_no_action_type_is_refused_with_the_forms_that_are():
+def test_an_invalid_action_type_is_refused_with_the_valid_forms():
     with pytest.raises(TypeNameError, match="no action type: expected pkg/action/Name or pkg/"):
         resolve_interface("SetBool", "action")
 
@@ -230,7 +230,7 @@ def test_a_name_without_kind_is_a_message_unless_only_a_service_or_an_action_has
 
 
 @pytest.mark.parametrize("form", ["", "a", "a/srv/b", "a/foo/B", 99999, "a/srv/action/B"])
-def test_what_is_no_type_of_any_kind_is_refused(table, form):
+def test_a_name_that_is_not_a_type_of_any_kind_is_refused(table, form):
     with pytest.raises(TypeNameError):
         resolve_any(form, table, {})
 

@@ -213,7 +213,7 @@ def test_a_loop_above_both_frames_does_not_matter(robot: Buffer):
         ("a", "b" * 257, at(0), "frame 'a': it or its parent has a name of over 256 characters"),
     ],
 )
-def test_what_is_no_transform_is_refused_and_changes_nothing(
+def test_an_invalid_transform_is_refused_and_changes_nothing(
     robot: Buffer, child, parent, transform, reason
 ):
     before = robot.revision
@@ -265,7 +265,7 @@ def test_answers_are_bounded():
     assert most == 512
 
 
-def test_what_moves_stays_moving_when_it_is_said_to_be_fixed(robot: Buffer):
+def test_a_moving_frame_stays_moving_when_it_is_called_fixed(robot: Buffer):
     assert not fixed(robot, "base_link", "odom", 7, heard=1)
     assert robot.lookup("odom", "base_link", 3 * SECOND // 2).transform == at(15)
     # once it has ceased, it counts
@@ -273,7 +273,7 @@ def test_what_moves_stays_moving_when_it_is_said_to_be_fixed(robot: Buffer):
     assert robot.lookup("odom", "base_link") == (0, at(7))
 
 
-def test_what_was_fixed_moves_when_it_is_said_to(robot: Buffer):
+def test_a_fixed_frame_moves_when_it_is_published_as_moving(robot: Buffer):
     assert not moved(robot, "laser", "base_link", 2, 5)
     assert moved(robot, "laser", "base_link", 3, 6)
     assert robot.lookup("base_link", "laser") == (3 * SECOND, at(6))

@@ -73,7 +73,7 @@ def test_every_sample_keeps_its_parent_in_whatever_order_they_come(samples):
         assert len(frame._starts) <= len(parents)
 
 
-def test_what_is_older_than_the_history_goes():
+def test_samples_older_than_the_history_are_removed():
     frame = History(0, "odom", at(0))
     frame.add(5 * SECOND, "odom", at(1))
     frame.add(10 * SECOND, "odom", at(2))

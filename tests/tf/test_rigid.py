@@ -54,7 +54,7 @@ def test_an_inverse_is_the_inverse_matrix(transform):
 
 
 @given(rigids(), rigids(), st.floats(0, 1))
-def test_what_lies_between_is_a_rotation_and_ends_where_the_ends_are(one, other, ratio):
+def test_interpolation_gives_a_rotation_and_ends_at_both_ends(one, other, ratio):
     assert same(one.towards(other, 0.0), one)
     assert same(one.towards(other, 1.0), other)
     between = one.towards(other, ratio)
@@ -93,7 +93,7 @@ def test_a_quaternion_of_any_length_becomes_one_of_length_1():
         (Rigid(0, 0, 0, 0, 0, 0, 0), "its quaternion has no direction"),
     ],
 )
-def test_what_is_no_transform_is_refused(transform, reason):
+def test_an_invalid_transform_is_refused(transform, reason):
     with pytest.raises(ValueError, match=reason):
         transform.normalized()
 

@@ -50,7 +50,7 @@ def test_an_array_is_encoded_as_its_list(name, numbers, dtype):
 
 
 @pytest.mark.parametrize("name", [*BASES, "Float32", "Float64"])
-def test_booleans_are_no_numbers(name):
+def test_booleans_are_not_numbers(name):
     assert "msg.data" in str(encoded(name, NumberArray(np.zeros(2, np.bool_))))
 
 

@@ -67,7 +67,7 @@ def to_rosbags(store, name, values):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_what_rclpy_serializes_is_decoded_to_the_same_values(name):
+def test_messages_of_rclpy_are_decoded_to_the_same_values(name):
     definition = DEFINITIONS.get(name)
     decode = decoder_of(name)
     for values in samples(name):
@@ -78,7 +78,7 @@ def test_what_rclpy_serializes_is_decoded_to_the_same_values(name):
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if name not in WITH_WSTRINGS])
-def test_what_rosbags_serializes_is_decoded_to_the_same_values(name, rosbags_store):
+def test_messages_of_rosbags_are_decoded_to_the_same_values(name, rosbags_store):
     decode = decoder_of(name)
     for values in samples(name):
         cdr = rosbags_store.serialize_cdr(to_rosbags(rosbags_store, name, values), name)

@@ -126,7 +126,7 @@ def test_a_float_without_a_fraction_is_taken_as_an_integer():
 
 
 @pytest.mark.parametrize("value", [1.5, 128.0, math.inf, math.nan, "1", "Infinity", None, True])
-def test_what_is_no_integer_for_sure_is_a_misfit(value):
+def test_a_float_that_may_not_be_an_integer_is_a_misfit(value):
     with pytest.raises(MISFITS):
         encoded("std_msgs/msg/Int8", data=value)
     with pytest.raises(MISFITS):
@@ -177,7 +177,7 @@ def test_a_wrong_length_is_a_misfit(name, field, value):
 
 
 @pytest.mark.parametrize("empty", ["", {}, None, 0, ()])
-def test_what_is_empty_and_no_array_is_a_misfit(empty):
+def test_an_empty_value_that_is_not_an_array_is_a_misfit(empty):
     for field in ("ranges", "intensities"):
         with pytest.raises(MISFITS):
             encoded("sensor_msgs/msg/LaserScan", **{field: empty})
@@ -186,7 +186,7 @@ def test_what_is_empty_and_no_array_is_a_misfit(empty):
 
 
 @pytest.mark.parametrize("empty", ["", [], None, 0])
-def test_what_is_empty_and_no_object_is_a_misfit(empty):
+def test_an_empty_value_that_is_not_an_object_is_a_misfit(empty):
     with pytest.raises(MISFITS):
         encoder_of("std_msgs/msg/Empty")(empty, 0)
     with pytest.raises(MISFITS):
@@ -217,7 +217,7 @@ def default_json(name):
     return json.loads(dumps(values))
 
 
-def test_what_is_left_out_costs_fields_of_the_bound():
+def test_fields_that_are_left_out_count_for_the_bound():
     encode = encoder_of("visualization_msgs/msg/MarkerArray")
     fields = count_fields(flatten(DEFINITIONS.get("visualization_msgs/msg/Marker"), DEFINITIONS))
     fitting = 60_000 // fields

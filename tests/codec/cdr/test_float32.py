@@ -124,7 +124,7 @@ def test_arrays_of_any_length_are_spelled_as_a_single_one(definitions, decode, o
 
 
 @given(st.lists(FLOATS, min_size=1, max_size=5))
-def test_what_is_spelled_becomes_the_same_float32_again(definitions, floats):
+def test_a_spelled_float32_is_read_as_the_same_float32(definitions, floats):
     definition = definitions.get("odd_msgs/msg/Floats")
     cdr = Writer(definitions).message(definition, message(floats, 9))
     sent = json.loads(dumps(compile_decoder(definition, definitions)(cdr)))

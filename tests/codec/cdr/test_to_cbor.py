@@ -59,7 +59,7 @@ def test_every_type_becomes_a_map_with_the_same_values_from_either_byte_order(na
 
 
 @pytest.mark.parametrize("name", [ODOMETRY, SEQUENCES, ARRAYS, "sensor_msgs/msg/PointCloud2"])
-def test_what_rclpy_serializes_is_transcoded(name):
+def test_messages_of_rclpy_are_transcoded(name):
     definition = DEFINITIONS.get(name)
     for values in samples(name):
         cdr = serialize_message(to_ros(definition, DEFINITIONS, values))
@@ -132,7 +132,7 @@ def test_fields_select_what_is_transcoded():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_what_is_no_such_message_raises_as_the_decoder_does(name):
+def test_other_bytes_raise_as_in_the_decoder(name):
     definition = DEFINITIONS.get(name)
     transcode, decode = transcoder_of(name), compile_decoder(definition, DEFINITIONS)
     chance = random.Random(name)

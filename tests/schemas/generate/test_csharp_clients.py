@@ -34,7 +34,7 @@ def test_complete_classes_are_those_of_the_unity_package():
         assert f"{start}{own}\n    }}\n" in shipped
 
 
-def test_what_the_unity_package_has_is_left_out(tmp_path):
+def test_types_of_the_unity_package_are_left_out(tmp_path):
     definitions = installed_with(tmp_path, "some_msgs/msg/Thing", "geometry_msgs/Point at\n")
     request = request_of("some_msgs/msg/Thing", definitions=definitions)
     assert list(files(request)) == ["SomeMsgs.cs"]

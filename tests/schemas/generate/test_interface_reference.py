@@ -59,7 +59,7 @@ def test_an_action_is_shown_with_goal_result_and_feedback_and_its_nested_message
     assert "[test_msgs/msg/Builtins](messages.md#test_msgs-msg-builtins)" in text
 
 
-def test_what_a_service_nests_is_shown_on_the_page_of_messages():
+def test_nested_types_of_a_service_are_on_the_page_of_messages():
     messages = reference.write(catalogue_of("nav_msgs/srv/GetMap"))["docs/reference/messages.md"]
 
     assert '<a id="nav_msgs-msg-occupancygrid"></a>' in messages

@@ -32,7 +32,7 @@ def test_each_type_has_a_file_with_the_schema_of_the_other_command():
         assert schema == json_schema(schema["title"], definitions)
 
 
-def test_services_and_actions_have_folders_of_their_own():
+def test_services_and_actions_have_separate_folders():
     names = ("std_msgs/msg/String", "std_srvs/srv/SetBool", "test_msgs/action/Fibonacci")
     assert list(files(request_of(*names))) == [
         "std_msgs/String.json",
@@ -60,7 +60,7 @@ def test_the_text_of_several_has_them_side_by_side():
     assert schema["$defs"]["std_srvs.srv.SetBool"]["required"] == ["request", "response"]
 
 
-def test_what_the_gateway_sends_of_every_type_fits_its_schema(tmp_path):
+def test_each_message_that_the_gateway_sends_fits_its_schema(tmp_path):
     jsonschema = pytest.importorskip("jsonschema", reason="pip install jsonschema")
     definitions = awkward_definitions(tmp_path)
     types = Types(definitions)

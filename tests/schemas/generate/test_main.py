@@ -80,7 +80,7 @@ def test_the_rows_that_the_page_shows_work_on_the_types_that_the_wheels_have(tmp
         assert name in path.read_text(encoding="utf-8")
 
 
-def test_what_is_checked_in_is_what_would_be_generated(capsys):
+def test_the_files_in_the_repository_are_up_to_date(capsys):
     assert main(["--check"]) == 0, capsys.readouterr().out
 
 
@@ -188,7 +188,7 @@ def test_check_names_each_file_that_differs_and_writes_nothing(tmp_path, tree, c
     assert (root / "docs/reference/messages.md").read_text() == "edited"
 
 
-def test_what_no_row_generates_any_more_is_removed(tmp_path, tree):
+def test_files_without_a_row_are_removed(tmp_path, tree):
     main(tree)
     stale = tmp_path / "tree" / "schemas" / "models" / "gone_msgs.py"
     stale.write_text("stale")

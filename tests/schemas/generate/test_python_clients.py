@@ -58,7 +58,7 @@ def models_in(module):
     }
 
 
-def test_what_the_gateway_sends_of_every_type_fits_its_model(definitions, imported):
+def test_each_message_that_the_gateway_sends_fits_its_model(definitions, imported):
     models = models_in(imported("all_models"))
     types = Types(definitions)
     assert sorted(models) == sorted(names_of_messages(definitions))

@@ -66,7 +66,7 @@ def test_a_field_has_the_type_that_the_wire_brings(generate, line, json, cbor):
         ("string<=5 x", "`string<=5`"),
     ],
 )
-def test_what_a_type_does_not_show_is_said_beside_it(generate, line, remark):
+def test_comments_say_what_a_type_does_not_show(generate, line, remark):
     assert f"/** {remark} */" in generate(line)
 
 
@@ -82,7 +82,7 @@ def test_what_a_type_does_not_show_is_said_beside_it(generate, line, remark):
         ("uint64 X=18446744073709551615", "X: 18446744073709551615,"),
     ],
 )
-def test_constants_are_values_beside_the_type(generate, line, expected):
+def test_constants_are_values_next_to_the_type(generate, line, expected):
     source = generate(line)
     assert f"export const Thing = {{\n  {expected}\n}} as const;" in source
 
