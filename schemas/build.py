@@ -87,7 +87,7 @@ def json_schema(name: str, definitions: InstalledDefinitions) -> Schema:
 
 
 def checked_in_hash(name: str) -> str | None:
-    """Return the hash of the checked-in model of ``pkg/msg/Name``, or of a part; None if absent."""
+    """Return the hash of the checked-in model of ``pkg/msg/Name``, or of a part. None if absent."""
     package, _, short_name = name.split("/")
     model = _model_in_tree(package, short_name)
     return model.ros_type_hash if model is not None and model.ros_type == name else None

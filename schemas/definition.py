@@ -42,7 +42,7 @@ Value = Scalar | tuple[Scalar, ...]
 
 
 class DefinitionError(ValueError):
-    """A message definition cannot be read; the text names the type, the line and the reason."""
+    """A message definition cannot be read. The text names the type, the line and the reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,13 +85,13 @@ class FieldType:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """One field of a message; ``default`` is ``None`` if the definition has no default."""
+    """One field of a message. ``default`` is ``None`` if the definition has no default."""
 
     name: str
     type: FieldType
     default: Value | None = None
     comment: str = ""
-    is_key: bool = False  # DDS tells instances of the type apart by it; only IDL can say so
+    is_key: bool = False  # DDS tells instances of the type apart by it. Only IDL can say so
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +116,7 @@ class Definition:
     constants: tuple[Constant, ...] = ()
     comment: str = ""
     text: str = ""
-    type_hash: str | None = None  # REP-2011, "RIHS01_..."; None if none is installed
+    type_hash: str | None = None  # REP-2011, "RIHS01_...". None if none is installed
 
     @property
     def package(self) -> str:
@@ -139,7 +139,7 @@ class Definition:
 
     @property
     def is_keyed(self) -> bool:
-        """True if a field is a key; those of nested messages do not count."""
+        """True if a field is a key. Those of nested messages do not count."""
         return any(field.is_key for field in self.fields)
 
     def nested(self) -> tuple[str, ...]:
@@ -243,7 +243,7 @@ def _uncommented(comment: str) -> str:
 
 
 def _split_comment(line: str) -> tuple[str, str]:
-    """Split a declaration from the comment behind it; a ``#`` in quotes begins no comment."""
+    """Split a declaration from the comment behind it. A ``#`` in quotes begins no comment."""
     quote = ""
     escaped = False
     for index, character in enumerate(line):
@@ -364,7 +364,7 @@ def _check_sizes(field_type: FieldType, default: Value | None) -> None:
 
 
 def _parse_strings(text: str) -> tuple[str, ...]:
-    """Split strings at their commas; as in rosidl, those without a comma need no quotes."""
+    """Split strings at their commas. As in rosidl, those without a comma need no quotes."""
     values: list[str] = []
     end = 0
     while end < len(text):

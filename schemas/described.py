@@ -15,7 +15,7 @@ from schemas.definition import Definition, DefinitionError, FieldType, parse_def
 from schemas.idl import parse_idl_message
 from schemas.type_hash import PLACEHOLDER, field_type_of, individual_description
 
-MAX_DESCRIBED_TYPES: Final = 256  # that one type nests; robots' types have ten or so
+MAX_DESCRIBED_TYPES: Final = 256  # that one type nests. Robots' types have ten or so
 MAX_TEXT_CHARACTERS: Final = 256 * 1024  # of each, as in a file
 _PARSERS: Final = {"msg": parse_definition, "idl": parse_idl_message}
 

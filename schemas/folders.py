@@ -17,7 +17,7 @@ from typing import Final, NamedTuple
 # Definitions that come with the gateway: of packages that robots have, and PyPI's wheels lack.
 SHIPPED: Final = Path(__file__).parent / "definitions"
 KINDS: Final = ("msg", "srv", "action")
-MAX_FOLDERS: Final = 20_000  # half a second; a home directory has more
+MAX_FOLDERS: Final = 20_000  # half a second. A home directory has more
 
 _PACKAGE: Final = re.compile(r"[a-z][a-z0-9_]*")
 _TYPE: Final = re.compile(r"[A-Z][A-Za-z0-9]*")

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 Listed = Mapping[str, Sequence[str]]
-"""The short names of the known types of one kind, by package; an earlier package is preferred."""
+"""The short names of the known types of one kind, by package. An earlier package is preferred."""
 
-# Of names that differ by a typing error; difflib's own 0.6 takes two to three times as long.
+# Of names that differ by a typing error. difflib's own 0.6 takes two to three times as long.
 _LIKENESS: Final = 0.75
-_MIN_ABBREVIATION: Final = 3  # characters; "Po" may mean anything
+_MIN_ABBREVIATION: Final = 3  # characters. "Po" may mean anything
 # Characters of a name that are compared: the time is proportional, and clients may send any name.
 MAX_GUESSED: Final = 128
 # ROS', C++'s and Python's: geometry_msgs::msg::Twist, geometry_msgs.msg.Twist
@@ -24,7 +24,7 @@ _DOUBLES: Final = frozenset({"example_interfaces", "test_msgs"})
 def guess(package: str, short_name: str, listed: Listed) -> tuple[str, str] | None:
     """Return the package and the short name that were probably meant.
 
-    A short name may be misspelt, abbreviated, or in another case; a package misspelt or another.
+    A short name may be misspelt, abbreviated, or in another case. A package misspelt or another.
     The short name is compared with those of one package, not with all that are installed.
     """
     for near in _close(package, listed):

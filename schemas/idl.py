@@ -26,7 +26,7 @@ from schemas.idl_tokens import IdlToken, PlaceError, shortened, with_place
 from schemas.interface import ROLES, SEPARATOR, Interface, Role, part_name
 from schemas.msg_text import msg_text
 
-MAX_MODULES: Final = 8  # within each other; ROS has three
+MAX_MODULES: Final = 8  # within each other. ROS has three
 _MAX_NAMED: Final = 4  # structs in an error text
 
 _BASES: Final = {
@@ -61,7 +61,7 @@ _PLACEHOLDER: Final = (Field("structure_needs_at_least_one_member", FieldType("u
 
 
 def parse_idl_message(name: str, text: str, type_hash: str | None = None) -> Definition:
-    """Parse the `.idl` file of the message ``pkg/msg/Name``; the result has `.msg` text.
+    """Parse the `.idl` file of the message ``pkg/msg/Name``. The result has `.msg` text.
 
     Raises:
         DefinitionError: the file is not IDL as rosidl reads it, or has no such message.
@@ -71,7 +71,7 @@ def parse_idl_message(name: str, text: str, type_hash: str | None = None) -> Def
 
 
 def parse_idl_interface(name: str, text: str, hashes: Mapping[str, str] | None = None) -> Interface:
-    """Parse the `.idl` file of a service or an action; the result has text as in `.srv` files.
+    """Parse the `.idl` file of a service or an action. The result has text as in `.srv` files.
 
     Raises:
         DefinitionError: as for `parse_idl_message`.

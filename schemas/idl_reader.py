@@ -39,7 +39,7 @@ class IdlReader:
         return token
 
     def takes(self, symbol: str) -> bool:
-        """Go on if the next word is this symbol; return whether it was."""
+        """Go on if the next word is this symbol. Return whether it was."""
         if self.next.kind != "symbol" or self.next.text != symbol:
             return False
         self.take()
@@ -51,7 +51,7 @@ class IdlReader:
             raise unexpected(symbol, self.next)
 
     def name(self, what: str) -> IdlToken:
-        """Read a name; *what* is it, for the error text."""
+        """Read a name. *what* is it, for the error text."""
         token = self.take()
         if token.kind != "name":
             raise unexpected(what, token)
@@ -92,7 +92,7 @@ class IdlReader:
         raise unexpected("a number, a string, TRUE or FALSE; rosidl takes no name or sum", token)
 
     def annotations(self) -> "Annotations":
-        """Read the annotations of a declaration; those that change nothing here are skipped."""
+        """Read the annotations of a declaration. Those that change nothing here are skipped."""
         found = Annotations()
         while self.takes("@"):
             name = self.scoped_name("the name of an annotation")[-1]

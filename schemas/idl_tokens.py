@@ -30,7 +30,7 @@ _TOKEN: Final = re.compile(
     """,
     re.ASCII | re.VERBOSE,
 )
-# a decimal, an octal and a hexadecimal integer; a float, or a fixed-point number with its d
+# a decimal, an octal and a hexadecimal integer. A float, or a fixed-point number with its d
 _INTEGER: Final = re.compile(r"0[xX](?P<hexadecimal>[0-9a-fA-F]+)|0(?P<octal>[0-7]+)|0|[1-9]\d*")
 _FLOAT: Final = re.compile(r"(?P<value>(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)[dD]?", re.ASCII)
 # Table 7-9 of the standard, but for \?, of which rosidl keeps both characters
@@ -40,7 +40,7 @@ _ESCAPED_TWICE: Final = re.compile(r"""\\(["\\])""")
 
 
 class PlaceError(ValueError):
-    """Something is wrong at an offset of a text; turned into a `DefinitionError` with the place."""
+    """Something is wrong at an offset of a text. Turned into a `DefinitionError` with the place."""
 
     def __init__(self, offset: int, reason: str) -> None:
         super().__init__(reason)

@@ -53,7 +53,7 @@ MAX_DEFINITION_BYTES: Final = 256 * 1024  # the largest in use have 10 kB
 
 
 class UnknownTypeError(LookupError):
-    """No definition of *name* is installed, or it is not a type name; the text says which.
+    """No definition of *name* is installed, or it is not a type name. The text says which.
 
     *name* may be a type that the requested one nests. It *is_missing* if a file would mend that.
     """
@@ -90,7 +90,7 @@ class InstalledDefinitions:
 
     An earlier prefix hides a later one, like an overlay in ROS. A package may have its definitions
     as `.idl` files alone. What no prefix has may be in one of *folders*, which are searched at
-    once; see `schemas.folders.find_definitions` for that, and for what it raises.
+    once. See `schemas.folders.find_definitions` for that, and for what it raises.
     """
 
     def __init__(
@@ -154,7 +154,7 @@ class InstalledDefinitions:
         return self._told
 
     def interface(self, name: str, kind: InterfaceKind | None = None) -> Interface:
-        """Return the definition of ``pkg/srv/Name`` or ``pkg/action/Name``; *kind* admits only one.
+        """Return the definition of ``pkg/srv/Name`` or ``pkg/action/Name``. *kind* admits only one.
 
         Raises:
             UnknownTypeError, DefinitionError: as for `get`.
@@ -198,7 +198,7 @@ class InstalledDefinitions:
         """Return the definitions of *names* and of all nested types, nested ones first.
 
         Raises:
-            UnknownTypeError, DefinitionError: as for `get`; also for a type that nests itself, or
+            UnknownTypeError, DefinitionError: as for `get`. Also for a type that nests itself, or
                 nests others deeper than `MAX_NESTING`, has more than `MAX_FIELDS`, or of which each
                 message has more than `MAX_VALUES`.
         """
@@ -238,7 +238,7 @@ class InstalledDefinitions:
         return _joined(guess_text(text, self._list(kind)), kind)
 
     def _list(self, kind: Kind) -> Mapping[str, Sequence[str]]:
-        """Return the known types by package; reading the directories takes milliseconds.
+        """Return the known types by package. Reading the directories takes milliseconds.
 
         Packages of which nothing is installed are the last.
         """

@@ -34,7 +34,7 @@ class Interface:
     name: str
     parts: Mapping[Role, Definition]  # in the order of the file
     text: str = ""
-    type_hash: str | None = None  # REP-2011, of all that ROS derives; None if none is installed
+    type_hash: str | None = None  # REP-2011, of all that ROS derives. None if none is installed
 
     @property
     def package(self) -> str:
@@ -48,7 +48,7 @@ def part_name(interface: str, role: Role) -> str:
 
 
 def parse_interface(name: str, text: str, hashes: Mapping[str, str] | None = None) -> Interface:
-    """Parse the text of a `.srv` or an `.action` file; *hashes* are those installed, by type name.
+    """Parse the text of a `.srv` or an `.action` file. *hashes* are those installed, by type name.
 
     Raises:
         DefinitionError: the file has too few or too many parts, or one cannot be parsed.
@@ -76,7 +76,7 @@ def derive(interface: Interface) -> dict[str, Definition]:
     """Return what rosidl makes of a service or an action, by name: its parts, and what it derives.
 
     A service is a structure of three messages, of which the event is for introspection. An action
-    has two services and a message that carry its parts together with the goal's id; names and
+    has two services and a message that carry its parts together with the goal's id. Names and
     fields are those of https://design.ros2.org/articles/actions.html and of
     `rosidl_parser.definition`.
     """

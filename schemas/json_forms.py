@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The forms in which JSON may hold octets, times and headers, beside the plain one.
 
-Functions that turn them into the plain form; a value that has no such form comes back unchanged,
+Functions that turn them into the plain form. A value that has no such form comes back unchanged,
 for its reader to refuse.
 """
 
@@ -30,7 +30,7 @@ NON_FINITE: Final[Mapping[object, float]] = {
 }
 """The forms of floats that are no numbers in JSON."""
 
-# Up to here every integer is a float; beyond, one float stands for several.
+# Up to here every integer is a float. Beyond, one float stands for several.
 MAX_WHOLE: Final = 2**53
 
 _NO_OCTET: Final = "item {} is no integer from 0 to 255"
@@ -51,11 +51,11 @@ class NumberArray:
 
 
 class OctetsError(ValueError):
-    """A value holds no octets; the text is for the client that sent it."""
+    """A value holds no octets. The text is for the client that sent it."""
 
 
 class _ItemError(OctetsError):
-    """One of the items is no octet; which one is sought when somebody wants to read it."""
+    """One of the items is no octet. Which one is sought when somebody wants to read it."""
 
     def __init__(self, items: list[object]) -> None:
         self._items = items

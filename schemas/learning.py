@@ -13,7 +13,7 @@ from schemas.installed import (
 )
 from schemas.type_hash import computed_type_hash
 
-MAX_TOLD_CHARACTERS: Final = 16 * 1024 * 1024  # of all texts; those of a robot have some 100,000
+MAX_TOLD_CHARACTERS: Final = 16 * 1024 * 1024  # of all texts. Those of a robot have some 100,000
 _SHOWN: Final = 100  # characters of a name that somebody else wrote
 
 

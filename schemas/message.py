@@ -3,7 +3,7 @@
 
 The generated classes read these names as ``ros.Float64``, ``ros.Field`` and so on. A message
 describes the JSON that a client may send: strict in type and range, unknown fields refused,
-missing ones default. Pydantic's compiled core checks nearly all of it; it calls Python only where
+missing ones default. Pydantic's compiled core checks nearly all of it. It calls Python only where
 a comment says so.
 """
 
@@ -98,7 +98,7 @@ def _whole(source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
     number = core_schema.float_schema(
         strict=True, ge=-MAX_WHOLE, le=MAX_WHOLE, multiple_of=1, allow_inf_nan=False
     )
-    # In Python only if a float comes; integers and what is refused are the core's.
+    # In Python only if a float comes. Integers and what is refused are the core's.
     convert = core_schema.no_info_plain_validator_function(int)
     choices = [
         core_schema.int_schema(strict=True),
@@ -126,7 +126,7 @@ def _non_finite(size: int) -> GetPydanticSchema:
 def _as_non_finite(value: object, info: ValidationInfo) -> float:
     if isinstance(value, str) and value in NON_FINITE:
         return NON_FINITE[value]
-    # JSON text has no such number; an overflowing 1e999 must not become one.
+    # JSON text has no such number. An overflowing 1e999 must not become one.
     if info.mode == "python" and isinstance(value, float) and not math.isfinite(value):
         return value
     raise PydanticCustomError("float_type", "Input should be a valid number")
@@ -146,7 +146,7 @@ UInt32: TypeAlias = Annotated[int, Field(ge=0, le=2**32 - 1), _WHOLE]
 UInt64: TypeAlias = Annotated[int, Field(ge=0, le=2**64 - 1), _WHOLE]
 
 
-# null is NaN, which JSON does not have; NaN and infinities are strings; integers pass as floats.
+# null is NaN, which JSON does not have. NaN and infinities are strings. Integers pass as floats.
 Float32: TypeAlias = Annotated[
     Annotated[float, Field(gt=-FLOAT32_OVERFLOW, lt=FLOAT32_OVERFLOW)] | None, _non_finite(32)
 ]

@@ -6,7 +6,7 @@ from typing import Final
 
 from schemas.definition import Definition, Scalar, Value
 
-# as rosidl reads them in the strings of a .msg file; all that could end a line is among them
+# as rosidl reads them in the strings of a .msg file. All that could end a line is among them
 _ESCAPED: Final = re.compile(r'[\\"\x00-\x1f\x7f-\x9f\u2028\u2029]')
 
 

@@ -5,7 +5,7 @@ import keyword
 from typing import Final
 
 # Public attributes of pydantic.BaseModel. Listed here, so that generated code does not depend on
-# the installed pydantic; names that begin with "model_" have a rule of their own.
+# the installed pydantic. Names that begin with "model_" have a rule of their own.
 _BASE_MODEL: Final = frozenset(
     {
         "construct",
@@ -33,13 +33,13 @@ _TAKEN: Final = frozenset(keyword.kwlist) | _BASE_MODEL | _OF_GENERATED_CLASSES
 def class_name(short_name: str) -> str:
     """Return the class of a message type: mostly its own name.
 
-    Python has the capitalized keywords ``None``, ``True`` and ``False``; these get an underscore.
+    Python has the capitalized keywords ``None``, ``True`` and ``False``. These get an underscore.
     """
     return f"{short_name}_" if keyword.iskeyword(short_name) else short_name
 
 
 def module_name(package: str) -> str:
-    """Return the module of a package: mostly its own name; keywords get an underscore."""
+    """Return the module of a package: mostly its own name. Keywords get an underscore."""
     return f"{package}_" if keyword.iskeyword(package) else package
 
 

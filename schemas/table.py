@@ -31,18 +31,18 @@ _DERIVED_SPELLING: Final = re.compile(
 )
 _ANY_SPELLING: Final = re.compile(r"[a-z][a-z0-9_]*/(?P<kind>msg|srv|action)/[A-Z][A-Za-z0-9]*")
 _A: Final = {"msg": "a message", "srv": "a service", "action": "an action"}
-# Ten times the digits that a table will ever need; int() of very many digits is slow.
+# Ten times the digits that a table will ever need. int() of very many digits is slow.
 _NUMBER: Final = re.compile(r"[0-9]{1,9}", re.ASCII)
 
 _R = TypeVar("_R", bound=BaseModel)
 
 
 class TableError(ValueError):
-    """A message table cannot be used; the text names the file and the reason."""
+    """A message table cannot be used. The text names the file and the reason."""
 
 
 class TypeNameError(ValueError):
-    """A client's text does not name a type; the exception's text says what was expected.
+    """A client's text does not name a type. The exception's text says what was expected.
 
     *requested* is that text, empty if nobody can guess what it means, and *kind* what was expected.
     """
@@ -56,7 +56,7 @@ class TypeNameError(ValueError):
 
 
 class Row(BaseModel):
-    """One type of the table; its number is part of the API."""
+    """One type of the table. Its number is part of the API."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
@@ -109,7 +109,7 @@ class Table:
 
     @classmethod
     def load(cls, path: Path = TABLE_PATH) -> Self:
-        """Read a table; without *path*, the one in this package.
+        """Read a table. Without *path*, the one in this package.
 
         Raises:
             TableError: the file is not TOML, a row is malformed, or two rows collide.
@@ -167,7 +167,7 @@ def resolve_type(requested: str | int, table: Table) -> str:
 
 
 def resolve_interface(requested: str, kind: InterfaceKind) -> str:
-    """Return ``pkg/srv/Name`` for the type of a service as requested; likewise for actions.
+    """Return ``pkg/srv/Name`` for the type of a service as requested. Likewise for actions.
 
     Clients write ``pkg/Name`` or ``pkg/srv/Name``. The type need not be installed.
 

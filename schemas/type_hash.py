@@ -2,7 +2,7 @@
 """The REP-2011 hash of a message type, computed if none is installed.
 
 ROS 2 before Iron installs no hashes. The hash covers names, types and order of the fields, of
-the type and of all nested types; defaults, constants and comments do not change it.
+the type and of all nested types. Defaults, constants and comments do not change it.
 """
 
 import hashlib

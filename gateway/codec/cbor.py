@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""CBOR (RFC 8949) of the few kinds of values that frames have; numbers in arrays as in RFC 8746.
+"""CBOR (RFC 8949) of the few kinds of values that frames have. Numbers in arrays as in RFC 8746.
 
 The fast path is compiled per type (`gateway.codec.cdr.compile_transcoder`). This module encodes
 the rest, and has the parts that both share.

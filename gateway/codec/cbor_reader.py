@@ -21,7 +21,7 @@ from schemas.json_forms import NumberArray
 
 # Outside of typed arrays, keys included: 10 to 15 ms for so many.
 MAX_SINGLE_ITEMS: Final = 15_000
-# As Python's numbers they take long, and much memory; small arrays are encoded faster from them.
+# As Python's numbers they take long, and much memory. Small arrays are encoded faster from them.
 MAX_LISTED: Final = 10_000
 
 _TAG: Final = 0xC0
@@ -37,7 +37,7 @@ _DTYPES: Final = {head[1]: np.dtype(name).newbyteorder("<") for name, head in TY
 
 
 class CborError(CodecError):
-    """A client sent something else than the CBOR it may send; the text says where and why."""
+    """A client sent something else than the CBOR it may send. The text says where and why."""
 
 
 def is_cbor(data: bytes) -> bool:
@@ -49,7 +49,7 @@ def loads(data: bytes, *, max_depth: int = MAX_DEPTH, max_items: int = MAX_ITEMS
     """Read one item, in the values that `gateway.codec.json.loads` returns, and bytes.
 
     Typed arrays of RFC 8746 become lists of numbers, or a `NumberArray` when these have
-    `MAX_LISTED` in all; those of uint8 become bytes, ``undefined`` becomes ``None``. *max_depth*
+    `MAX_LISTED` in all. Those of uint8 become bytes, ``undefined`` becomes ``None``. *max_depth*
     bounds how deep arrays and maps nest, *max_items* and `MAX_SINGLE_ITEMS` how many items there
     are outside of typed arrays. It costs no more than `MAX_COST`, as text that is not ASCII does.
 

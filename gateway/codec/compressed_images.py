@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pixels of a sensor_msgs/msg/CompressedImage, depth of compressed_depth_image_transport included.
 
-Everything here may run in any thread; OpenCV releases the GIL for the heavy work.
+Everything here may run in any thread. OpenCV releases the GIL for the heavy work.
 """
 
 import struct
@@ -33,7 +33,7 @@ _FRAME_MARKERS: Final = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 # Markers of segments with a length that may stand before the frame: tables of Huffman, arithmetic
 # coding and quantization, a number of lines, a restart interval, APP0 to APP15, a comment.
 _SEGMENT_MARKERS: Final = frozenset({0xC4, 0xCC, 0xDB, 0xDC, 0xDD, *range(0xE0, 0xF0), 0xFE})
-# Before the frame, bytes of padding included. A colour profile and EXIF take some dozens; a file of
+# Before the frame, bytes of padding included. A colour profile and EXIF take some dozens. A file of
 # 10 MB could have millions, and a second of the worker's time would go to its header.
 MAX_SEGMENTS: Final = 1024
 # compressed_depth_image_transport: a number of the codec, then two of the quantization

@@ -6,8 +6,8 @@ import json
 from collections.abc import Container, Iterable, Mapping
 from typing import Final
 
-MAX_EDITS: Final = 2  # of a name that is misspelt; beyond it is another one
-MAX_ECHO: Final = 128  # characters of a client's own text that come back; logs stay readable
+MAX_EDITS: Final = 2  # of a name that is misspelt. Beyond it is another one
+MAX_ECHO: Final = 128  # characters of a client's own text that come back. Logs stay readable
 
 # by pydantic's name of the error
 EXPECTED: Final = {
@@ -25,7 +25,7 @@ EXPECTED: Final = {
 
 
 def kind(value: object) -> str:
-    """Name the kind of a value of JSON or CBOR; of numbers and booleans, the value."""
+    """Name the kind of a value of JSON or CBOR. Of numbers and booleans, the value."""
     match value:
         case None:
             return "null"

@@ -24,7 +24,7 @@ def grid_renderer(grid_type: MessageType) -> Callable[[Cdr], bytes]:
     """Return a function from the CDR of a grid to JSON with a PNG in the place of its cells.
 
     Grey is the octet of a cell: 0 to 100, and 255 for -1, which is unknown. The rows follow each
-    other as in the message. The function may run in any thread; it raises `CodecError`.
+    other as in the message. The function may run in any thread. It raises `CodecError`.
     """
     decode = grid_type.decoder(octets="raw")
 
@@ -51,7 +51,7 @@ def cbor_grid_renderer(grid_type: MessageType) -> Callable[[Cdr], bytes]:
 def grid_maker(grid_type: MessageType) -> Callable[[bytes], bytes]:
     """Return a function from the CDR of a grid whose cells are a PNG, to that of the grid.
 
-    A size that `info` leaves out is that of the picture. The function may run in any thread; it
+    A size that `info` leaves out is that of the picture. The function may run in any thread. It
     raises `CodecError`.
     """
     decode = grid_type.decoder(octets="raw")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ROS images to pictures; depth as in REP 118.
+"""ROS images to pictures. Depth as in REP 118.
 
-Everything here may run in any thread; OpenCV releases the GIL for all of the heavy work.
+Everything here may run in any thread. OpenCV releases the GIL for all of the heavy work.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ _LARGEST_FLOAT: Final = float(np.finfo(np.float32).max)
 
 @dataclass(frozen=True, slots=True)
 class ImageOptions:
-    """The options of a picture; equal options give equal pictures.
+    """The options of a picture. Equal options give equal pictures.
 
     ``quality`` applies to lossy formats only, ``depth_range_m`` only to depth in a format of 8
     bits. A bound of ``None`` means that there is no bound.
@@ -63,7 +63,7 @@ class Picture(NamedTuple):
 
     ``depth_range_m`` is the range that depth in a format of 8 bits shows, else ``None``: the
     nearest depth is 255, the farthest 1, linear in between, depths outside are clamped, and 0 means
-    no measurement. A PNG of depth holds 16-bit millimetres; 0 means no measurement.
+    no measurement. A PNG of depth holds 16-bit millimetres. 0 means no measurement.
     """
 
     data: bytes
@@ -76,7 +76,7 @@ class Picture(NamedTuple):
 def compress(image: RawImage, options: ImageOptions) -> Picture:
     """Compress one image, scaled down to the options' bounds with its aspect kept.
 
-    JPEG drops alpha and has 8 bits per channel; PNG keeps alpha and 16 bits. Depth is scaled by
+    JPEG drops alpha and has 8 bits per channel. PNG keeps alpha and 16 bits. Depth is scaled by
     picking measurements, not by averaging them: a mean across an edge is a point in empty space.
 
     Raises:
@@ -117,20 +117,20 @@ def _shaded(depth: MatLike, metres: float, range_m: tuple[float, float]) -> MatL
     near, far = (bound / metres for bound in range_m)
     gain = -254 / (far - near)
     _, clamped = cv2.threshold(depth, far, 0.0, cv2.THRESH_TRUNC)
-    # clamped, nothing is below 1; a depth nearer than near saturates
+    # clamped, nothing is below 1. A depth nearer than near saturates
     grey = cv2.convertScaleAbs(clamped, alpha=gain, beta=1 - gain * far)
     return cv2.copyTo(grey, _measured(depth))
 
 
 def _millimetres(depth: MatLike) -> MatLike:
-    """Turn metres into the 16 bits of 16UC1; greater depths get the largest value."""
+    """Turn metres into the 16 bits of 16UC1. Greater depths get the largest value."""
     _, clamped = cv2.threshold(depth, 65.535, 0.0, cv2.THRESH_TRUNC)
     millimetres = cv2.addWeighted(clamped, 1000.0, clamped, 0.0, 0.0, dtype=cv2.CV_16U)
     return cv2.copyTo(millimetres, _measured(depth))
 
 
 def _measured(depth: MatLike) -> MatLike:
-    """Return a mask of the positive and finite depths; NaN is in no range."""
+    """Return a mask of the positive and finite depths. NaN is in no range."""
     if depth.dtype == np.uint16:
         return cv2.inRange(depth, 1.0, 65535.0)
     return cv2.inRange(depth, _SMALLEST_FLOAT, _LARGEST_FLOAT)
@@ -149,7 +149,7 @@ def _fitted(image: RawImage, options: ImageOptions) -> tuple[int, int]:
 def _reduced(pixels: MatLike, size: tuple[int, int]) -> MatLike:
     """Scale down by averaging.
 
-    OpenCV's averaging by a fractional factor takes longer than the JPEG encoder; by a whole
+    OpenCV's averaging by a fractional factor takes longer than the JPEG encoder. By a whole
     factor it is fast. So the largest whole factor comes first. The remaining factor is mostly
     below 2: there bilinear interpolation reads every pixel and is five times as fast as averaging.
     """

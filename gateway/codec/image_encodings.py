@@ -17,7 +17,7 @@ from cv2.typing import MatLike
 
 from gateway.codec.errors import CodecError
 
-MAX_SIDE_PX: Final = 8192  # the largest sensors that stream; a wrong header states more
+MAX_SIDE_PX: Final = 8192  # the largest sensors that stream. A wrong header states more
 MAX_PIXELS: Final = 7680 * 4320  # 8K UHD
 MAX_BYTES: Final = MAX_PIXELS * 8  # as rgba16, and as much again while converting
 
@@ -25,11 +25,11 @@ _NO_CHROMA: Final = 128  # grey
 
 
 class ImageError(CodecError):
-    """An image contradicts itself or cannot be shown; the text gives the reason."""
+    """An image contradicts itself or cannot be shown. The text gives the reason."""
 
 
 class RawImage(NamedTuple):
-    """The fields of sensor_msgs/msg/Image without its header; *data* is not copied."""
+    """The fields of sensor_msgs/msg/Image without its header. *data* is not copied."""
 
     height: int
     width: int
@@ -61,7 +61,7 @@ _Chroma = Literal["none", "packed", "half plane", "full plane"]
 class Layout:
     """The memory layout of an encoding, and the conversion of it to grey, BGR or BGRA.
 
-    *chroma* that is packed belongs to two pixels of a row; a plane of it follows that of luma, with
+    *chroma* that is packed belongs to two pixels of a row. A plane of it follows that of luma, with
     U and V in turn, for each square of four pixels (half) or for each pixel (full).
     """
 
@@ -104,7 +104,7 @@ _ABSTRACT: Final[tuple[tuple[str, _Dtype, float | None], ...]] = (
 
 
 def _abstract_layouts() -> Iterator[tuple[str, Layout]]:
-    """Yield the encodings by OpenCV's types, as `8UC3`; without a number there is one channel."""
+    """Yield the encodings by OpenCV's types, as `8UC3`. Without a number there is one channel."""
     for name, dtype, metres in _ABSTRACT:
         yield f"{name}C", Layout(dtype, metres=metres)
         yield f"{name}C1", Layout(dtype, metres=metres)
@@ -112,7 +112,7 @@ def _abstract_layouts() -> Iterator[tuple[str, Layout]]:
             yield f"{name}C{channels}", Layout(dtype, channels)
 
 
-# OpenCV's four-letter Bayer names start at the top left pixel, as ROS's do; its older two-letter
+# OpenCV's four-letter Bayer names start at the top left pixel, as ROS's do. Its older two-letter
 # ones start at the second row's second pixel.
 LAYOUTS: Final = {
     "rgb8": Layout("u1", 3, cv2.COLOR_RGB2BGR),
@@ -212,7 +212,7 @@ def _view(image: RawImage, layout: Layout) -> MatLike:
 
 
 def _with_full_chroma(image: RawImage) -> MatLike:
-    """Return Y, U and V of each pixel; a row of chroma takes two steps."""
+    """Return Y, U and V of each pixel. A row of chroma takes two steps."""
     size, step = (image.height, image.width), image.step
     luma: MatLike = np.ndarray(size, np.uint8, image.data, strides=(step, 1))
     chroma: MatLike = np.ndarray(
@@ -241,7 +241,7 @@ def as_colours(pixels: MatLike, image: RawImage, layout: Layout, *, has_8_bits: 
 
 
 def _stretched(numbers: MatLike) -> MatLike:
-    """Map the least to black and the greatest to white; NaN is black."""
+    """Map the least to black and the greatest to white. NaN is black."""
     known = numbers[np.isfinite(numbers)]
     if not known.size:
         return np.zeros(numbers.shape, np.uint8)

@@ -71,7 +71,7 @@ def loads(
     """Read one JSON text.
 
     *max_depth* bounds how deep objects and arrays nest, *max_items* how many members and
-    elements they have in all; `gateway.codec.json_bounds` has further bounds.
+    elements they have in all. `gateway.codec.json_bounds` has further bounds.
 
     Beside RFC 8259, a text of up to `LARGE_TEXT_BYTES` may hold the values NaN, Infinity and
     -Infinity, at most `MAX_TOKENS`, if it *takes_tokens*.
@@ -94,7 +94,7 @@ def loads_in_slices(
     """Read one JSON text as `loads` does, with pauses in which others can have their turn.
 
     A long array that holds nothing but numbers, or booleans alone, becomes a `NumberArray` of any
-    type that has all of them; null and NaN are NaN there. These numbers are not counted as items.
+    type that has all of them. Null and NaN are NaN there. These numbers are not counted as items.
 
     Raises:
         JsonError: as for `loads`.

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from gateway.codec.errors import JsonError
 
-# An image of 100 kB as an array of numbers; as Python objects about 6 MB.
+# An image of 100 kB as an array of numbers. As Python objects about 6 MB.
 MAX_ITEMS: Final = 100_000
 # On its way to CDR an object costs five times as much as a number: 10 ms for so many points.
 MAX_CONTAINERS: Final = 20_000
@@ -53,7 +53,7 @@ class Outline:
     colons: int = 0
     strings: int = 0
     arrays: list[tuple[int, int]] = field(default_factory=list)
-    """The places of the elements of long arrays of numbers; they are counted nowhere."""
+    """The places of the elements of long arrays of numbers. They are counted nowhere."""
 
     @property
     def items(self) -> int:
@@ -208,7 +208,7 @@ def _escaped(is_backslash: Flags) -> Places:
 
 
 def _has_wide(octets: Octets, escaped: Places) -> bool:
-    r"""Return whether characters beyond U+00FF are escaped; ``\u003d`` is how some write ``=``."""
+    r"""Return whether characters beyond U+00FF are escaped. ``\u003d`` is how some write ``=``."""
     codes = escaped[octets[escaped] == ord("u")]
     codes = codes[codes < len(octets) - 2]
     is_narrow = (octets[codes + 1] == ord("0")) & (octets[codes + 2] == ord("0"))
@@ -219,7 +219,7 @@ def _outside_of_strings(is_quote: Flags, was_inside: bool) -> Flags:  # a state
     """Return which characters are outside, as the quote that ends a string is.
 
     A bit says whether so many quotes stand before a character that it is within a string: the
-    exclusive or of all bits up to it, 64 at a time (as simdjson does it; Langdale and Lemire,
+    exclusive or of all bits up to it, 64 at a time (as simdjson does it, Langdale and Lemire,
     Parsing Gigabytes of JSON per Second, 2019, section 3.1.1).
     """
     is_inside = np.zeros(-(-len(is_quote) // _WORD_BITS), "<u8")

@@ -57,7 +57,7 @@ def json_slices(value: object, write: Write) -> Iterator[bytes]:
 
 
 def element_slices(values: Iterable[object], write: Write, opening: bytes) -> Iterator[bytes]:
-    """Yield the JSON of elements, without the end of their array; nothing if there are none.
+    """Yield the JSON of elements, without the end of their array. Nothing if there are none.
 
     *opening* stands before the first one. As many are written at once as one slice has room for.
     """
@@ -108,7 +108,7 @@ def _inner(values: object, write: Write) -> bytes:
 
 
 def _weight(value: object) -> int:
-    """Return how many numbers take about as long to write; it ends beyond those of a slice."""
+    """Return how many numbers take about as long to write. It ends beyond those of a slice."""
     match value:
         case np.ndarray():
             return len(value)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """NaN, Infinity and -Infinity as clients write them: tokens that JSON does not have.
 
-Python's ``json`` writes them unless it is told not to. The parser refuses them; so integers that
+Python's ``json`` writes them unless it is told not to. The parser refuses them, so integers that
 stand nowhere in the text take their places, the parser reads the text again, and then the numbers
 take the places of the integers. Everything else is as strict as without.
 """
@@ -51,7 +51,7 @@ def without_tokens(data: bytes) -> bytes | None:
     if _MARK in data:
         return None
     pieces = _STRINGS.split(data)
-    # strings are odd pieces; between the others a quote stands for each of them
+    # strings are odd pieces. Between the others a quote stands for each of them
     text = b'"'.join(pieces[::2])
     for token, digit in _TOKENS.items():
         if token in text:

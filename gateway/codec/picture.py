@@ -25,7 +25,7 @@ def picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable
 
     Beside ``header``, ``format`` and ``data`` (base64) it has ``width`` and ``height`` of the
     picture, and ``depth_range_m`` if grey means distance. The function may run in any
-    thread; it raises `CodecError`.
+    thread. It raises `CodecError`.
     """
     render = _renderer(image_type, options, pybase64.b64encode_as_string)
     return lambda cdr: dumps(render(cdr))
@@ -63,7 +63,7 @@ def _renderer(
 def pixel_maker(compressed_type: MessageType, image_type: MessageType) -> Callable[[bytes], bytes]:
     """Return a function from the CDR of a CompressedImage to that of the Image that it shows.
 
-    The function may run in any thread; it raises `CodecError`.
+    The function may run in any thread. It raises `CodecError`.
     """
     decode = compressed_type.decoder(octets="raw")
     encode = image_type.compiled_encoder

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The formats of compressed pictures; a new one is one row here."""
+"""The formats of compressed pictures. A new one is one row here."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ class PictureFormat:
 
     name: str
     extension: str  # by which OpenCV chooses the encoder
-    has_8_bits: bool  # per channel, and no more; others keep 16 bits, and depth in millimetres
-    quality_parameter: int | None = None  # of OpenCV's encoder; None: lossless
+    has_8_bits: bool  # per channel, and no more. Others keep 16 bits, and depth in millimetres
+    quality_parameter: int | None = None  # of OpenCV's encoder. None: lossless
 
     @property
     def is_lossy(self) -> bool:

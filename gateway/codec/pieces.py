@@ -11,7 +11,7 @@ Piece: TypeAlias = bytes | memoryview
 
 @dataclass(frozen=True, slots=True)
 class Pieces:
-    """A text, an item of CBOR or a frame, in pieces; its length is that of all of them."""
+    """A text, an item of CBOR or a frame, in pieces. Its length is that of all of them."""
 
     parts: tuple[Piece, ...]
     size: int
@@ -31,5 +31,5 @@ class Pieces:
         return b"".join(self.parts)
 
     def within(self, before: bytes, after: bytes) -> "Pieces":
-        """Return them with more before and after; nothing is copied."""
+        """Return them with more before and after. Nothing is copied."""
         return Pieces((before, *self.parts, after), len(before) + self.size + len(after))

@@ -59,20 +59,20 @@ class MessageType:
 
     @cached_property
     def decode(self) -> Decoder:
-        """Turn CDR into values for `gateway.codec.json.dumps`; see `compile_decoder`."""
+        """Turn CDR into values for `gateway.codec.json.dumps`. See `compile_decoder`."""
         return compile_decoder(self.definition, self._definitions)
 
     @cached_property
     def compiled_encoder(self) -> Encoder:
-        """The encoder without words for a client; see `compile_encoder`."""
+        """The encoder without words for a client. See `compile_encoder`."""
         return compile_encoder(self.definition, self._definitions)
 
     def encode(self, value: object, now_ns: Clock, root: str = "msg") -> bytes:
-        """Turn decoded JSON into CDR; *now_ns* is, or returns, the time of a ``"now"`` in it.
+        """Turn decoded JSON into CDR. *now_ns* is, or returns, the time of a ``"now"`` in it.
 
         Raises:
-            InvalidValueError: the value does not fit; paths in the text begin with *root*.
-            TooManyFieldsError: it takes too much; see `compile_encoder`.
+            InvalidValueError: the value does not fit. Paths in the text begin with *root*.
+            TooManyFieldsError: it takes too much. See `compile_encoder`.
         """
         try:
             return self.compiled_encoder(value, now_ns)
@@ -90,7 +90,7 @@ class MessageType:
     def may_be_large(self) -> bool:
         """True if an array in it may have `LARGE_ARRAY` numbers, or messages of numbers alone.
 
-        Pictures, clouds and maps are such; odometry, transforms and texts are not.
+        Pictures, clouds and maps are such. Odometry, transforms and texts are not.
         """
         numbers = set(PRIMITIVES - STRINGS)  # and the messages that hold nothing else
         for definition in self.closure:
@@ -134,7 +134,7 @@ class MessageType:
         )
 
     def transcoder(self, fields: tuple[str, ...] | None = None) -> Transcoder:
-        """Return a function from CDR to CBOR, of some fields; see `compile_transcoder`.
+        """Return a function from CDR to CBOR, of some fields. See `compile_transcoder`.
 
         Raises:
             FieldError: a name in *fields* is not a field.
@@ -145,7 +145,7 @@ class MessageType:
         )
 
     def sliced_decoder(self, fields: tuple[str, ...] | None = None) -> SlicedDecoder:
-        """Return a decoder of some fields for large messages; see `compile_sliced_decoder`.
+        """Return a decoder of some fields for large messages. See `compile_sliced_decoder`.
 
         Raises:
             FieldError: a name in *fields* is not a field.
@@ -156,7 +156,7 @@ class MessageType:
         )
 
     def sliced_transcoder(self, fields: tuple[str, ...] | None = None) -> SlicedTranscoder:
-        """Return a transcoder for large messages; see `compile_sliced_transcoder`.
+        """Return a transcoder for large messages. See `compile_sliced_transcoder`.
 
         Raises:
             FieldError: a name in *fields* is not a field.
@@ -236,7 +236,7 @@ class Types:
     """The types that some definitions describe. Not safe across threads.
 
     A type whose definition has changed, or that of one that it nests, is another object from then
-    on; who holds the former one still reads messages as they were.
+    on. Who holds the former one still reads messages as they were.
     """
 
     def __init__(self, definitions: InstalledDefinitions) -> None:

@@ -36,7 +36,7 @@ from schemas.json_forms import (
     whole,
 )
 
-MAX_PROBLEMS: Final = 3  # as many as a person reads; the others are counted
+MAX_PROBLEMS: Final = 3  # as many as a person reads. The others are counted
 
 _EXPECTED: Final = {"bool": "true or false", "string": "a string", "wstring": "a string"}
 _KINDS: Final[Mapping[str, frozenset[type]]] = {
@@ -62,7 +62,7 @@ _RANGES: Final[Mapping[str, tuple[float, float]]] = {
 
 
 class InvalidValueError(CodecError):
-    """A value does not fit its message type; ``path`` is the place of its first problem."""
+    """A value does not fit its message type. ``path`` is the place of its first problem."""
 
     def __init__(self, path: str, reason: str) -> None:
         super().__init__(reason)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ROS 2 through rclpy; the only importer of rclpy beside the simulated robot.
+"""ROS 2 through rclpy. The only importer of rclpy beside the simulated robot.
 
 Importing this needs no rclpy, opening does.
 

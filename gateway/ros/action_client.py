@@ -27,7 +27,7 @@ _READER_PROFILE: Final = QoSProfile(depth=MAX_QUEUE_DEPTH)
 
 # How long to wait for the answer to a goal that was abandoned, to cancel it if it is accepted, and
 # how long a closed client waits for the answers to its cancels. Clients of the gateway give up
-# after 5 s; a server that loads a map before it accepts needs longer. An abandoned goal costs a few
+# after 5 s. A server that loads a map before it accepts needs longer. An abandoned goal costs a few
 # hundred bytes, a client that waits four entities of DDS.
 _ABANDONED_S: Final = 30.0
 
@@ -98,7 +98,7 @@ class RclpyActionClient:
             self._undo = undo.pop_all()
 
     async def send_goal(self, goal: bytes, on_feedback: OnFeedback) -> "RclpyGoal | None":
-        """Wait for a server and send it a goal; see the port."""
+        """Wait for a server and send it a goal. See the port."""
         if self._is_closed:
             raise RosError("not_found", f"the client of {self._subject} is closed")
         goal_id = uuid.uuid4().bytes
@@ -136,7 +136,7 @@ class RclpyActionClient:
         """Convert the response to a request for the result of a goal.
 
         Raises:
-            RosError: ``not_found``: the server does not know the goal; ``internal``: the response
+            RosError: ``not_found``: the server does not know the goal. ``internal``: the response
                 cannot be read.
         """
         status, result = self._form.read_result_response(response)
@@ -152,7 +152,7 @@ class RclpyActionClient:
             requester.follow_graph()
 
     def close(self) -> None:
-        """Destroy it, once abandoned goals are answered and cancelled; see the port."""
+        """Destroy it, once abandoned goals are answered and cancelled. See the port."""
         if self._is_closed:
             return
         self._is_closed = True
@@ -212,7 +212,7 @@ class RclpyActionClient:
         deciding.add_done_callback(decided)
 
     async def _cancel_if_accepted(self, goal_id: bytes, answer: "asyncio.Future[Any]") -> None:
-        with contextlib.suppress(TimeoutError, RosError):  # errors of the server; nobody waits
+        with contextlib.suppress(TimeoutError, RosError):  # errors of the server. Nobody waits
             async with asyncio.timeout(_ABANDONED_S):
                 if self._form.is_accepted(await answer):  # it would be executed for nobody
                     self.cancel_goal(goal_id)
@@ -236,7 +236,7 @@ class RclpyGoal:
         self._response = response
 
     async def result(self) -> GoalResult:
-        """Wait for the end of the goal; see the port."""
+        """Wait for the end of the goal. See the port."""
         return self._client.to_result(await asyncio.shield(self._response))
 
     def cancel(self) -> None:

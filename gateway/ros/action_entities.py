@@ -16,7 +16,7 @@ from gateway.ros.service_versions import Versions, of_action
 
 
 class Actions:
-    """The clients and the servers of one node; *samples* takes the feedback."""
+    """The clients and the servers of one node. *samples* takes the feedback."""
 
     def __init__(
         self,
@@ -54,7 +54,7 @@ class Actions:
             yield ServerInfo(name, (server.type_name,), (node,))
 
     def client(self, action: str, type_name: str) -> RclpyActionClient:
-        """Open a client; see `gateway.ports.Ros.action_client`."""
+        """Open a client. See `gateway.ports.Ros.action_client`."""
         check_action(action)
         client = RclpyActionClient(
             self._endpoints,
@@ -76,7 +76,7 @@ class Actions:
         on_goal: Callable[[GoalRequest], None],
         on_cancel: Callable[[GoalRequest], None],
     ) -> RclpyActionServer:
-        """Open a server; see `gateway.ports.Ros.serve_action`."""
+        """Open a server. See `gateway.ports.Ros.serve_action`."""
         check_action(action)
         if action in self._provided:
             raise RosError("limit_exceeded", f"action {action} is provided here already")

@@ -22,9 +22,9 @@ _UNKNOWN: Final = b"\0"  # action_msgs/msg/GoalStatus
 
 
 class ActionForm(Protocol):
-    """An action type; goals, results and feedback are CDR, encapsulation header included.
+    """An action type. Goals, results and feedback are CDR, encapsulation header included.
 
-    Bytes that are no CDR of the type raise one of `gateway.ros.errors.REFUSALS`, or a `RosError`; a
+    Bytes that are no CDR of the type raise one of `gateway.ros.errors.REFUSALS`, or a `RosError`. A
     made class notices little of it.
     """
 

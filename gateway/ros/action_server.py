@@ -21,7 +21,7 @@ from gateway.ros.goal_ids import with_goal_id
 from gateway.ros.groups import group_of_one
 from gateway.ros.interfaces import message_class, service_class
 
-# A person with a headset supervises a few; more, as of a client that floods, are rejected.
+# A person with a headset supervises a few. More, as of a client that floods, are rejected.
 MAX_GOALS: Final = 64
 # As rclpy's servers do: some clients ask for the result only when a person wants to see it.
 RESULT_KEPT_S: Final = 900.0
@@ -71,7 +71,7 @@ class RclpyGoalRequest:
             self._server.publish_feedback(self.goal_id, cdr)
 
     def finish(self, status: GoalOutcome, result: bytes) -> None:
-        """End the goal; see the port."""
+        """End the goal. See the port."""
         if self.is_open:
             is_possible = status != CANCELED or self.status.status == _CANCELING
             self._server.finish(self, status if is_possible else ABORTED, result)
@@ -86,7 +86,7 @@ class RclpyGoalRequest:
 class RclpyActionServer:
     """An action that the gateway provides.
 
-    A goal is executing from its acceptance on; it may come to be canceling; it ends as succeeded,
+    A goal is executing from its acceptance on. It may come to be canceling. It ends as succeeded,
     canceled or aborted, and is then kept for those who ask for its result late.
     """
 
@@ -229,8 +229,8 @@ class RclpyActionServer:
     def _to_cancel(self, goal_id: bytes, until_ns: int) -> list[RclpyGoalRequest]:
         """Return the goals that a request of action_msgs/srv/CancelGoal selects.
 
-        That is a goal by its id, those accepted until a stamp, both, or with neither all of them;
-        never those that are canceling already.
+        That is a goal by its id, those accepted until a stamp, both, or with neither all of them.
+        Never those that are canceling already.
         """
         wants_all = goal_id == _NO_ID and not until_ns
         return [

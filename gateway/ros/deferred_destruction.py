@@ -3,7 +3,7 @@
 
 DDS announces the end of an entity by another way than it sends what that has written, and a reader
 drops what comes from a writer that has ended. Of the messages and responses that were written just
-before the end, one in fifteen was lost on one machine; of those written 10 ms before, none.
+before the end, one in fifteen was lost on one machine. Of those written 10 ms before, none.
 """
 
 import asyncio
@@ -35,7 +35,7 @@ class DeferredDestruction:
         self._deferred: dict[Deferred, None] = {}  # the oldest first
 
     def defer(self, subject: str, type_name: str, destroy: Callable[[], None]) -> Deferred:
-        """Call *destroy* after `DEFERRED_S`; *subject* is for example ``service /reset``."""
+        """Call *destroy* after `DEFERRED_S`. *subject* is for example ``service /reset``."""
         deferred = Deferred(subject, type_name, destroy)
         deferred.timer = self._loop.call_later(DEFERRED_S, self._end, deferred)
         self._deferred[deferred] = None

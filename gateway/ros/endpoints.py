@@ -31,7 +31,7 @@ LOOK_S: Final = 0.02
 MAX_IN_FLIGHT: Final = 10
 PACING_S: Final = 1.0
 # rmw waits 0.1 s, and blocks the event loop, for a client whose reader DDS has not matched yet, as
-# on a bad network; then the response is lost. It is sent once more after this time.
+# on a bad network. Then the response is lost. It is sent once more after this time.
 SEND_AGAIN_S: Final = 1.0
 # A client whose reader never matches, such as one that requests transient_local, costs these waits
 # each time. A request does not show which client sent it: after this many waits the service sends
@@ -44,7 +44,7 @@ _logger = logging.getLogger(__name__)
 # Sends the response, unless the server is closed. A response to a client that has gone is lost.
 Reply = Callable[[Any], None]
 OnRequest = Callable[[Any, Reply], None]
-# Servers by their DDS readers; see `gateway.ros.service_versions`.
+# Servers by their DDS readers. See `gateway.ros.service_versions`.
 FindConflict = Callable[[frozenset[bytes]], RosError | None]
 
 
@@ -76,7 +76,7 @@ class Requester:
         is_paced: Callable[[], bool] = lambda: True,
         find_conflict: FindConflict = lambda _: None,
     ) -> None:
-        """Create it; the text of its errors begins with *subject*, such as ``service /reset``.
+        """Create it. The text of its errors begins with *subject*, such as ``service /reset``.
 
         Requests wait while *is_ready* returns false, even if there is a server. While *is_paced*
         returns true, requests beyond `MAX_IN_FLIGHT` wait as well. *find_conflict* gets the servers
@@ -191,7 +191,7 @@ class Requester:
         ]
 
     def _find_servers(self) -> frozenset[bytes]:
-        """Identify the servers by their DDS readers; 40 us.
+        """Identify the servers by their DDS readers. 40 us.
 
         Empty with an rmw that names these topics otherwise than those of Fast DDS and Cyclone DDS.
         """
@@ -298,7 +298,7 @@ class Replier:
         *,
         subject: str,
     ) -> None:
-        """Create it; the text of its errors begins with *subject*, such as ``service /reset``.
+        """Create it. The text of its errors begins with *subject*, such as ``service /reset``.
 
         Raises:
             RosError: ROS refuses it, or gives it another name.
@@ -347,7 +347,7 @@ class Replier:
             self._is_draining = False
 
     def close(self) -> None:
-        """Pass what has arrived to *on_request*, which must reply within the call; destroy it.
+        """Pass what has arrived to *on_request*, which must reply within the call. Destroy it.
 
         No request comes after. Closing twice is harmless.
         """
@@ -364,7 +364,7 @@ class Replier:
             self._take_one()
 
     def _take_one(self) -> bool:
-        """Take one request; return whether there may be more."""
+        """Take one request. Return whether there may be more."""
         request, info = self._take_request(self._request_class)
         if not self._source.count_take() and info is None:
             return False
@@ -388,7 +388,7 @@ class Replier:
             _logger.warning("%s: a client's QoS does not let it get responses", self._subject)
 
     def _send(self, response: Any, request_id: rclpy_private.RequestId) -> bool:
-        """Send a response; return whether rmw did not wait for the client in vain."""
+        """Send a response. Return whether rmw did not wait for the client in vain."""
         with losses(self._subject) as waits:
             self._send_response(response, request_id)
         return not waits
@@ -411,4 +411,4 @@ def _profile() -> QoSProfile:
 
 
 def _never_called(*_: object) -> None:
-    """Serve as the callback that rclpy requires; nothing calls it."""
+    """Serve as the callback that rclpy requires. Nothing calls it."""

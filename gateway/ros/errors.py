@@ -35,7 +35,7 @@ _logger = logging.getLogger(__name__)
 
 
 def refused(subject: str, error: Exception) -> RosError:
-    """Return the port's exception for one of `REFUSALS`; its text begins with *subject*."""
+    """Return the port's exception for one of `REFUSALS`. Its text begins with *subject*."""
     if isinstance(error, NameValidationException):
         return RosError("bad_name", f"{subject}: {error}")
     reason = str(error).split(", at ")[0]  # rcl's tail names its source files
@@ -63,7 +63,7 @@ def creation(subject: str) -> Iterator[None]:
 def losses(subject: str) -> Iterator[list[warnings.WarningMessage]]:
     """Drop a response that cannot be sent because rmw finds that its client has gone.
 
-    rclpy raises then, or warns if rmw has waited 0.1 s for the client; the list that is yielded
+    rclpy raises then, or warns if rmw has waited 0.1 s for the client. The list that is yielded
     holds that warning afterwards.
     """
     with warnings.catch_warnings(record=True) as waits:

@@ -17,16 +17,16 @@ from gateway.ros import rclpy_private
 
 # After a callback that raised: a fault that comes back at once must not fill the log.
 _PAUSE_S: Final = 1.0
-STUCK_S: Final = 5.0  # callbacks take milliseconds; a machine may be busy
+STUCK_S: Final = 5.0  # callbacks take milliseconds. A machine may be busy
 
 _logger = logging.getLogger(__name__)
 
 
 class ExecutorThread:
-    """One executor in one thread, from construction until `close`; its callbacks run there.
+    """One executor in one thread, from construction until `close`. Its callbacks run there.
 
-    With *standard* it is rclpy's standard executor, which looks at every entity at each turn;
-    otherwise the executor that wakes only for what is ready, if rclpy has it.
+    With *standard* it is rclpy's standard executor, which looks at every entity at each turn.
+    Otherwise the executor that wakes only for what is ready, if rclpy has it.
     """
 
     def __init__(self, context: Context, *, standard: bool = False) -> None:
@@ -74,7 +74,7 @@ class ExecutorThread:
         while not self._stopping.is_set():
             try:
                 self._executor.spin_until_future_complete(self._stop, rclpy_private.SPIN_S)
-            except Exception:  # raised by a callback; the thread must outlive it
+            except Exception:  # raised by a callback. The thread must outlive it
                 if not self._context.ok():  # and nothing spins any more
                     _logger.error("ROS was shut down by something else than the gateway")
                     return

@@ -47,7 +47,7 @@ def profile(path: Path = _GATEWAYS, path_of_3: Path = _GATEWAYS_OF_3) -> Iterato
 
 
 def forget_error() -> None:
-    """Forget what rmw has noted as an error in this thread; call it where nothing has failed.
+    """Forget what rmw has noted as an error in this thread. Call it where nothing has failed.
 
     With Fast DDS 3 it notes one for each entity of a made type, does not use it, and writes fifteen
     lines to stderr when the next one comes.

@@ -15,7 +15,7 @@ def with_goal_id(goal_id: bytes, cdr: bytes) -> bytes:
 
 
 def goal_id_of(cdr: bytes) -> bytes:
-    """Return the goal's id in a FeedbackMessage; shorter than 16 bytes if that is too short."""
+    """Return the goal's id in a FeedbackMessage. Shorter than 16 bytes if that is too short."""
     return cdr[_CDR_HEADER_BYTES:_GOAL_ID_END]
 
 

@@ -3,7 +3,7 @@
 
 rcl has a guard condition that it triggers when discovery learns something. Waiting for it costs
 nothing while nothing happens and wakes within a millisecond. rclpy does not expose it,
-`gateway.ros.rclpy_private.GraphWaitSet` does; without that a thread looks twice a second.
+`gateway.ros.rclpy_private.GraphWaitSet` does. Without that a thread looks twice a second.
 """
 
 import asyncio
@@ -30,7 +30,7 @@ SETTLE_S: Final = 0.02
 # Handling a change costs loop time for every subscription. Because of this pause a client that
 # advertises and unadvertises all the time takes a tenth of the loop at most.
 SETTLES_PER_HANDLING: Final = 10
-# 1000 subscriptions need about a quarter of it; a longer time means that the machine stood still
+# 1000 subscriptions need about a quarter of it. A longer time means that the machine stood still
 MAX_SETTLE_S: Final = 1.0
 # 100 topics take about 1.5 ms to look at: 0.3 % of a core
 POLL_S: Final = 0.5
@@ -43,7 +43,7 @@ _logger = logging.getLogger(__name__)
 
 
 def read_graph(node: Node, hidden: str = "") -> Graph:
-    """Return the whole graph; 40 us a topic and direction, so keep it until it changes.
+    """Return the whole graph. 40 us a topic and direction, so keep it until it changes.
 
     The publishers of the node *hidden* are left out, and so is the node.
     """
@@ -64,13 +64,13 @@ def read_graph(node: Node, hidden: str = "") -> Graph:
 
 
 def read_nodes(node: Node) -> list[str]:
-    """Return the full names of all nodes; a name that several have is there as often."""
+    """Return the full names of all nodes. A name that several have is there as often."""
     found = node.get_node_names_and_namespaces()
     return [full_name(namespace, name) for name, namespace in found]
 
 
 def read_services(node: Node) -> tuple[ServerInfo, ...]:
-    """Return the services that nodes provide, except those of actions; 7 us a node."""
+    """Return the services that nodes provide, except those of actions. 7 us a node."""
     return tuple(each for each in read_all_services(node) if _BEHIND_ACTION not in each.name)
 
 
@@ -79,7 +79,7 @@ def read_all_services(node: Node) -> tuple[ServerInfo, ...]:
 
     Of nodes that share their name rcl lists those of one alone, and one that was killed may be that
     one. What the others provide is in rcl's list of all services, which has no nodes, but also
-    those that only a client has named; so their servers are counted.
+    those that only a client has named, so their servers are counted.
     """
     listed = _provided(node, lambda *each: node.get_service_names_and_types_by_node(*each))
     found = {each.name: each for each in listed}
@@ -90,7 +90,7 @@ def read_all_services(node: Node) -> tuple[ServerInfo, ...]:
 
 
 def read_actions(node: Node) -> tuple[ServerInfo, ...]:
-    """Return the actions that nodes provide; 3 us a node, and what the list of services takes."""
+    """Return the actions that nodes provide. 3 us a node, and what the list of services takes."""
     listed = _provided(node, lambda *each: get_action_server_names_and_types_by_node(node, *each))
     found = {each.name: each for each in listed}
     for service in read_all_services(node):
@@ -138,7 +138,7 @@ def read_requests(node: Node, topic: str) -> list[Endpoint]:
 def read_holders(
     node: Node, topic: str, type_name: str, own_nodes: Container[str]
 ) -> tuple[TypeHolder, ...]:
-    """Return the nodes that have a type; see `gateway.ports.RosGraph.type_holders`."""
+    """Return the nodes that have a type. See `gateway.ports.RosGraph.type_holders`."""
     endpoints = [*read_offers(node, topic), *read_requests(node, topic)]
     return tuple(
         dict.fromkeys(
@@ -180,7 +180,7 @@ class GraphChanges:
         return self._thread.is_alive()
 
     def close(self) -> None:
-        """End the thread; no call comes after."""
+        """End the thread. No call comes after."""
         self._on_change = _nothing
         self._stopping.set()
         if self._wait_set is not None:

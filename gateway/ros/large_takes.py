@@ -27,14 +27,14 @@ class LargeTakes:
     def start(
         self, subscription: Subscription, message_class: type, on_end: Callable[[], object]
     ) -> "LargeTake":
-        """Take at most `TAKES_AT_ONCE` samples; *on_end* is called by the thread, or by `stop`."""
+        """Take at most `TAKES_AT_ONCE` samples. *on_end* is called by the thread, or by `stop`."""
         take = LargeTake()
         take.result = self._thread.submit(self._run, take, subscription, message_class)
         take.result.add_done_callback(lambda _: on_end())
         return take
 
     def close(self) -> None:
-        """Wait for the take that may be going on; the others never start."""
+        """Wait for the take that may be going on. The others never start."""
         self._thread.shutdown(wait=True, cancel_futures=True)
 
     def _run(
@@ -45,7 +45,7 @@ class LargeTakes:
             try:
                 sample = self._take(subscription, message_class)
             except RuntimeError:
-                if samples:  # which come first; the error comes again
+                if samples:  # which come first. The error comes again
                     break
                 raise
             if sample is None:

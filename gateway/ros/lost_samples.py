@@ -10,7 +10,7 @@ NO_NUMBER: Final = 0  # publishers begin with 1
 class LostSamples:
     """Counts what one reader has missed, by the numbers that a publisher gives its samples.
 
-    DDS counts as lost what did not arrive; what newer samples replaced in a reader that was full
+    DDS counts as lost what did not arrive. What newer samples replaced in a reader that was full
     it does not. A number does not say whose it is, so DDS alone counts while several publish.
     """
 

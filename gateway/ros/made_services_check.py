@@ -20,7 +20,7 @@ _TEXTS: Final = ("", "a", "ab", "abc", "a" * 100_000)
 
 
 class Calls:
-    """Calls of one service, one after another; each response has another length."""
+    """Calls of one service, one after another. Each response has another length."""
 
     def __init__(self, node: Node, name: str, calling: ServiceForm, serving: ServiceForm) -> None:
         self._node = node
@@ -46,7 +46,7 @@ class Calls:
 
     @property
     def fault(self) -> str:
-        """The words for what is wrong; empty if nothing is."""
+        """The words for what is wrong. Empty if nothing is."""
         if self._is_wrong:
             return "calls of made services arrive as others here"
         if self._left:
@@ -111,4 +111,4 @@ def _response(text: str) -> Any:
 
 
 def _never_called(*_: object) -> None:
-    """Serve as the callback that rclpy requires; nothing calls it."""
+    """Serve as the callback that rclpy requires. Nothing calls it."""

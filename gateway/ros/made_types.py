@@ -37,7 +37,7 @@ from schemas.installed import InstalledDefinitions
 from schemas.interface import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL, Interface
 from schemas.type_hash import Definitions, type_description, type_hash
 
-MAX_MADE: Final = 1024  # types, a few kB each; of an action it is one
+MAX_MADE: Final = 1024  # types, a few kB each. Of an action it is one
 RMW: Final = "rmw_fastrtps_cpp"
 
 _T = TypeVar("_T")
@@ -66,7 +66,7 @@ class MadeTypes:
         Its objects are `gateway.ros.raw_messages.RawMessage`.
 
         Raises:
-            RosError: ``limit_exceeded``: there are `MAX_MADE` of them; ``bad_type``: none can be
+            RosError: ``limit_exceeded``: there are `MAX_MADE` of them. ``bad_type``: none can be
                 made, as Fast CDR is not as expected.
             UnknownTypeError, DefinitionError: a type that it nests is not known.
         """
@@ -119,7 +119,7 @@ class MadeTypes:
     def _message(self, definition: Definition, definitions: Definitions) -> tuple[Any, int]:
         """Make the class of a message, and its type support."""
         if definition.is_keyed and not fast_dds.is_second():
-            # It has readers and writers with and without a key not match; a made type has none.
+            # It has readers and writers with and without a key not match. A made type has none.
             raise RosError(
                 "bad_type",
                 f"{definition.title} has a @key: with Fast DDS 3 such a type needs its package;"

@@ -2,8 +2,8 @@
 """Try whether this ROS takes made types: exit code 0 if it does.
 
 A sample goes from a real publisher to a made subscription, and one from a made publisher to a real
-subscription, both of std_msgs/msg/Header within this process; services are called likewise
-(`gateway.ros.made_services_check`). What is wrong is one line on stdout; a crash says nothing.
+subscription, both of std_msgs/msg/Header within this process. Services are called likewise
+(`gateway.ros.made_services_check`). What is wrong is one line on stdout. A crash says nothing.
 `gateway.ros.message_classes` runs it, before it makes any types.
 """
 
@@ -95,7 +95,7 @@ class _Topics:
 
     @property
     def fault(self) -> str:
-        """The words for what is wrong; empty if nothing is."""
+        """The words for what is wrong. Empty if nothing is."""
         heard = [cdr for cdr in self._heard if cdr is not None]
         if len(heard) < len(self._heard):
             return "no messages pass between made types and real ones here"
@@ -119,7 +119,7 @@ class _Topics:
 
 
 def _never_called(*_: object) -> None:
-    """Serve as the callback that rclpy requires; nothing calls it."""
+    """Serve as the callback that rclpy requires. Nothing calls it."""
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.type_hash import type_hash
 
 _CHECK: Final = ("-m", "gateway.ros.made_types_check")
-_CHECK_S: Final = 60  # of a machine that is busy with other things; else it takes one
+_CHECK_S: Final = 60  # of a machine that is busy with other things. Else it takes one
 
 _T = TypeVar("_T")
 
@@ -76,7 +76,7 @@ class MessageClasses:
 
         Raises:
             RosError: ``bad_type``: the name is malformed, or no package here has that message, and
-                none can be made for it; ``limit_exceeded``: too many were made.
+                none can be made for it. ``limit_exceeded``: too many were made.
         """
         return self._find(
             lambda: message_class(type_name),
@@ -123,7 +123,7 @@ class MessageClasses:
         )
 
     def _find_made(self, find: Callable[[], _T], make: Callable[[InstalledDefinitions], _T]) -> _T:
-        """Make it; where that is not possible, find it."""
+        """Make it. Where that is not possible, find it."""
         if self._definitions is not None and self._makes_types and self._why_not is None:
             with contextlib.suppress(UnknownTypeError, DefinitionError, RosError):
                 return make(self._definitions)

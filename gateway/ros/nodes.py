@@ -39,7 +39,7 @@ def _close_context(context: Context) -> None:
 def open_node(
     context: Context, options: RosOptions, purpose: str, undo: contextlib.ExitStack
 ) -> Node:
-    """Open the node of a purpose, until *undo* ends it; ``debug`` is the one that is spun."""
+    """Open the node of a purpose, until *undo* ends it. ``debug`` is the one that is spun."""
     is_spun = purpose == "debug"
     node = Node(
         f"{options.node_prefix}_{purpose}",

@@ -14,10 +14,10 @@ class RosOptions:
     """The operator's options for the gateway's nodes."""
 
     node_prefix: str = "ros2_gateway"
-    namespace: str = "/"  # of the nodes; topics do not move
+    namespace: str = "/"  # of the nodes. Topics do not move
     domain_id: int | None = None  # None: the environment's ROS_DOMAIN_ID
     use_sim_time: bool = False
-    max_entities: int = 1280  # ~180 KB of DDS each, an action 500; see `gateway.config.limits`
+    max_entities: int = 1280  # ~180 KB of DDS each, an action 500. See `gateway.config.limits`
     reserved_entities: int = 16  # of these, for publishers of reserved topics
     reserved_topics: tuple[str, ...] = ("/cmd_vel",)
     arguments: tuple[str, ...] = ()  # as ROS takes them: ("--ros-args", "-r", "a:=b")
@@ -25,12 +25,12 @@ class RosOptions:
 
     @property
     def guard_node(self) -> str:
-        """The full name of the guard process' node; ROS hides such names: it has an underscore."""
+        """The full name of the guard process' node. ROS hides such names: it has an underscore."""
         return f"{self.namespace.rstrip('/')}/_{self.node_prefix}_guard"
 
 
 def check_room(open_entities: int, options: RosOptions, *, is_reserved: bool) -> None:
-    """Check that one more entity may be opened; *is_reserved*: a publisher of a reserved topic.
+    """Check that one more entity may be opened. *is_reserved*: a publisher of a reserved topic.
 
     Raises:
         RosError: ``limit_exceeded``.

@@ -139,7 +139,7 @@ class RclpyRos:
         self._is_closed = False
 
     def close(self) -> None:
-        """End everything that is open, then the nodes; no callback comes after."""
+        """End everything that is open, then the nodes. No callback comes after."""
         self._is_closed = True
         self._undo.close()
 
@@ -156,7 +156,7 @@ class RclpyRos:
         on_samples: Callable[[Sequence[Sample]], None],
         on_event: Callable[[TopicEvent], None],
     ) -> RawSubscription:
-        """Subscribe to a fully resolved topic name; see the port."""
+        """Subscribe to a fully resolved topic name. See the port."""
         self._check_topic(topic, type_name)
         return self._subscriptions.subscribe(topic, type_name, qos, on_samples, on_event)
 
@@ -167,29 +167,29 @@ class RclpyRos:
         qos: Qos,
         on_event: Callable[[TopicEvent], None],
     ) -> RclpyPublisher:
-        """Create a publisher on a fully resolved topic name; see the port."""
+        """Create a publisher on a fully resolved topic name. See the port."""
         self._check_topic(topic, type_name, is_reserved=topic in self._options.reserved_topics)
         return self._publishers.advertise(topic, type_name, qos, on_event)
 
     def advertise_own(self, topic: str, type_name: str, qos: Qos) -> RclpyPublisher:
-        """Create a publisher on the debug node; see the port."""
+        """Create a publisher on the debug node. See the port."""
         self._check_type(f"topic {topic}", type_name, self._type_of_topic(topic))
         return self._own_publishers.advertise(topic, type_name, qos, lambda _: None)
 
     def client(self, service: str, type_name: str) -> RclpyClient:
-        """Create a client of a service by its fully resolved name; see the port."""
+        """Create a client of a service by its fully resolved name. See the port."""
         self._check_service(service, type_name)
         return self._services.client(service, type_name)
 
     def serve(
         self, service: str, type_name: str, on_request: Callable[[Request], None]
     ) -> RclpyService:
-        """Provide a service by its fully resolved name; see the port."""
+        """Provide a service by its fully resolved name. See the port."""
         self._check_service(service, type_name)
         return self._services.serve(service, type_name, on_request)
 
     def action_client(self, action: str, type_name: str) -> RclpyActionClient:
-        """Create a client of an action by its fully resolved name; see the port."""
+        """Create a client of an action by its fully resolved name. See the port."""
         self._check_action(action, type_name)
         return self._actions.client(action, type_name)
 
@@ -200,29 +200,29 @@ class RclpyRos:
         on_goal: Callable[[GoalRequest], None],
         on_cancel: Callable[[GoalRequest], None],
     ) -> RclpyActionServer:
-        """Provide an action by its fully resolved name; see the port."""
+        """Provide an action by its fully resolved name. See the port."""
         self._check_action(action, type_name)
         return self._actions.serve(action, type_name, on_goal, on_cancel)
 
     async def make_types(self) -> None:
-        """Find out whether types can be made here; see the port."""
+        """Find out whether types can be made here. See the port."""
         await self._classes.make_types()
 
     def topics(self) -> dict[str, list[str]]:
-        """Return the types of all topics; see the port."""
+        """Return the types of all topics. See the port."""
         return dict(self._debug.get_topic_names_and_types())
 
     def type_holders(self, topic: str, type_name: str) -> tuple[TypeHolder, ...]:
-        """Return the nodes that have a type; see the port."""
+        """Return the nodes that have a type. See the port."""
         own = self._own_nodes | {self._options.guard_node}
         return read_holders(self._debug, topic, type_name, own)
 
     def readers(self, topic: str) -> frozenset[str]:
-        """Return the ids of other nodes' subscriptions, as they are known now; see the port."""
+        """Return the ids of other nodes' subscriptions, as they are known now. See the port."""
         return read_readers(self._debug, topic, self._own_nodes)
 
     def topic_types(self, topic: str) -> tuple[str, ...]:
-        """Return the types of a topic; see the port. Kept until the graph changes."""
+        """Return the types of a topic. See the port. Kept until the graph changes."""
         known = self._types.get(topic)
         if known is None:
             known = read_types(self._debug, topic, self._own_nodes, self._options.guard_node)
@@ -231,7 +231,7 @@ class RclpyRos:
         return known
 
     def service_types(self, service: str) -> tuple[str, ...]:
-        """Return the types of a service; see the port. Kept until the graph changes."""
+        """Return the types of a service. See the port. Kept until the graph changes."""
         # A change is reported a little after it happens: a name that is not known may be new.
         if self._service_types is None or service not in self._service_types:
             found = self._services_here(read_all_services(self._debug))
@@ -239,14 +239,14 @@ class RclpyRos:
         return self._service_types.get(service, ())
 
     def action_types(self, action: str) -> tuple[str, ...]:
-        """Return the types of an action; see `service_types`."""
+        """Return the types of an action. See `service_types`."""
         if self._action_types is None or action not in self._action_types:
             found = self._actions_here(read_actions(self._debug))
             self._action_types = {each.name: each.types for each in found}
         return self._action_types.get(action, ())
 
     def graph(self) -> Graph:
-        """Return the graph as it is known now; kept until it changes."""
+        """Return the graph as it is known now. Kept until it changes."""
         if self._graph is None:
             graph = read_graph(self._debug, self._options.guard_node)
             self._graph = replace(
@@ -265,7 +265,7 @@ class RclpyRos:
         return JumpWatch(self._debug.get_clock(), on_jump)
 
     def log(self, level: LogLevel, text: str) -> None:
-        """Write to the debug node's logger, and so to ``/rosout``; do nothing after `close`."""
+        """Write to the debug node's logger, and so to ``/rosout``. Do nothing after `close`."""
         if self._is_closed:  # rcl's logging would fall back to the terminal
             return
         logger = self._debug.get_logger()
@@ -283,7 +283,7 @@ class RclpyRos:
                 assert_never(level)
 
     def faults(self) -> Sequence[Fault]:
-        """Return what is wrong with ROS itself; see the port."""
+        """Return what is wrong with ROS itself. See the port."""
         if self._is_closed or not self._debug.context.ok():
             return (Fault("dead", "ROS has shut down below the gateway: it must be restarted"),)
         faults = [*self._executor.faults(), *self._ready_events.faults()]
@@ -292,7 +292,7 @@ class RclpyRos:
         return faults
 
     def shared_names(self) -> Sequence[str]:
-        """Return the names that several nodes have; see the port."""
+        """Return the names that several nodes have. See the port."""
         return self._same_names.known
 
     def entity_count(self) -> int:
@@ -356,7 +356,7 @@ class RclpyRos:
     def _as_here(
         self, kind: str, found: Iterable[ServerInfo], provided: Iterable[ServerInfo]
     ) -> tuple[ServerInfo, ...]:
-        """Add what DDS has to find yet; leave out what awaits its deferred destruction."""
+        """Add what DDS has to find yet. Leave out what awaits its deferred destruction."""
         known = {each.name: each for each in (*provided, *found)}
         return tuple(
             known[name]

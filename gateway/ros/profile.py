@@ -63,7 +63,7 @@ def to_endpoint(info: TopicEndpointInfo) -> Endpoint:
 
 
 def type_hash(info: TopicEndpointInfo) -> str | None:
-    """Return the hash of an endpoint's type; ``None`` if it reports none, as before Iron."""
+    """Return the hash of an endpoint's type. ``None`` if it reports none, as before Iron."""
     text = str(info.topic_type_hash)
     return text if text.startswith(_HASHED) else None  # else it is INVALID
 
@@ -74,7 +74,7 @@ def endpoint_node(endpoint: TopicEndpointInfo) -> str:
 
 
 def full_name(namespace: str, name: str) -> str:
-    """Join a namespace and a node name; rmw's placeholders, which have no namespace, stay bare."""
+    """Join a namespace and a node name. rmw's placeholders, which have no namespace, stay bare."""
     return f"{namespace.rstrip('/')}/{name}" if namespace.startswith("/") else name
 
 

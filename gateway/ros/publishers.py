@@ -46,7 +46,7 @@ class _Shared:
 
 
 class Publishers:
-    """The publishers of one node; subscriptions of *own_nodes* need no explanations."""
+    """The publishers of one node. Subscriptions of *own_nodes* need no explanations."""
 
     def __init__(
         self,
@@ -85,7 +85,7 @@ class Publishers:
         qos: Qos,
         on_event: Callable[[TopicEvent], None],
     ) -> "RclpyPublisher":
-        """Open a publisher; see `gateway.ports.Ros.advertise`."""
+        """Open a publisher. See `gateway.ports.Ros.advertise`."""
         check_topic(topic)
         offer = complete_offer(qos)
         # Late subscribers get the last samples of each publisher, so latched ones are not shared.
@@ -119,7 +119,7 @@ class Publishers:
         self._report_on(topics)
 
     def _report_on(self, topics: Container[str] | None) -> None:
-        """Let the publishers on some topics, or on all, report; each topic is looked at once."""
+        """Let the publishers on some topics, or on all, report. Each topic is looked at once."""
         handles_on: dict[str, list[RclpyPublisher]] = defaultdict(list)
         for handle in self._handles:
             if topics is None or handle.key.topic in topics:

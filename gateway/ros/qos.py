@@ -20,7 +20,7 @@ from gateway.ports import (
     TopicEvent,
 )
 
-# what the loop takes in one turn: DDS need not drop while a turn takes 32 ms at 1 kHz; a topic
+# what the loop takes in one turn: DDS need not drop while a turn takes 32 ms at 1 kHz. A topic
 # of 1 MB images holds at most 32 MB
 NEEDED_DEPTH: Final = MAX_TAKES_PER_TURN
 # rosbridge's: what a client publishes in one go is written faster than subscribers take it, and the
@@ -50,7 +50,7 @@ class Endpoint:
     lifespan_ns: int | None = None
     lease_ns: int | None = None
     is_manual: bool = False  # of liveliness: MANUAL_BY_TOPIC
-    type_hash: str | None = None  # REP-2011; None: not reported, as before Iron
+    type_hash: str | None = None  # REP-2011. None: not reported, as before Iron
 
 
 def adopt(asked: Qos, offers: Sequence[Endpoint], current: Qos | None = None) -> Qos:
@@ -199,7 +199,7 @@ def _clashes(asked: Qos | Endpoint, offered: Qos | Endpoint) -> Iterable[_Clash]
             "ask for a longer deadline or none",
             f"offer {_deadline(asked.deadline_ns)}",
         )
-    # Publishers here are automatic, without a lease; subscriptions adopt what is offered.
+    # Publishers here are automatic, without a lease. Subscriptions adopt what is offered.
     if isinstance(asked, Endpoint) and (asked.lease_ns is not None or asked.is_manual):
         kind = "manual" if asked.is_manual else "automatic"
         lease = "no lease" if asked.lease_ns is None else f"a lease of {asked.lease_ns / 1e6:g} ms"
@@ -228,7 +228,7 @@ def _bounded(
     depth: int,
     lease_ns: int | None = None,
 ) -> Qos:
-    """Complete a profile; *depth* is for one that leaves its depth open."""
+    """Complete a profile. *depth* is for one that leaves its depth open."""
     wanted = MAX_QUEUE_DEPTH if asked.history == "keep_all" else asked.depth or depth
     return Qos(
         reliability,

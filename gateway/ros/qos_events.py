@@ -2,7 +2,7 @@
 """Events that DDS counts for a subscription or a publisher: missed deadlines, lost messages.
 
 rclpy hands these counts to an executor, which the gateway's nodes do not have. Here the loop looks
-at them twice a second; a look costs 1 us for each count, and no thread of DDS waits for it.
+at them twice a second. A look costs 1 us for each count, and no thread of DDS waits for it.
 """
 
 import asyncio
@@ -93,7 +93,7 @@ class QosEvents:
     def of_publisher(
         self, entity: Any, topic: str, qos: Qos, on_event: Callable[[TopicEvent], None]
     ) -> QosWatch | None:
-        """Watch rclpy's publisher; ``None`` if it has promised nothing that it could miss."""
+        """Watch rclpy's publisher. ``None`` if it has promised nothing that it could miss."""
         if qos.deadline_ns is None:
             return None
         late = f"nothing was published within the deadline of {_ms(qos.deadline_ns)}"
@@ -102,7 +102,7 @@ class QosEvents:
         return self._watch(on_event, [count])
 
     def forget(self, watch: QosWatch) -> None:
-        """Look no longer at a watch; others are ignored."""
+        """Look no longer at a watch. Others are ignored."""
         self._open.pop(watch, None)
         if not self._open and self._timer is not None:
             self._timer.cancel()

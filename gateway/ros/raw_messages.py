@@ -53,7 +53,7 @@ class RawMessage:
     __slots__ = ("cdr",)
 
     def __init__(self, cdr: bytes = _EMPTY) -> None:
-        """Hold CDR that is little-endian; by default that of a type without fields.
+        """Hold CDR that is little-endian. By default that of a type without fields.
 
         Raises:
             ValueError: it has another encapsulation, which rmw would not write before it.
@@ -123,7 +123,7 @@ class RawMessages:
         return True
 
     def _deserialize(self, cdr: int, address: int) -> bool:
-        """Read a message; rmw has left the locks of DDS by then."""
+        """Read a message. rmw has left the locks of DDS by then."""
         whole = b"".join(self._fast_cdr.read_all(cdr, ENCAPSULATION_BYTES))
         self._held[address].received = whole
         return True

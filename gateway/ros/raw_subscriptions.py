@@ -74,7 +74,7 @@ class RawSubscriptions:
         on_samples: Callable[[Sequence[Sample]], None],
         on_event: Callable[[TopicEvent], None],
     ) -> "RawSubscription":
-        """Open a subscription; see `gateway.ports.Ros.subscribe`."""
+        """Open a subscription. See `gateway.ports.Ros.subscribe`."""
         check_topic(topic)
         subscription = RawSubscription(
             self, topic, type_name, qos, on_samples, on_event, self.offers(topic)
@@ -131,7 +131,7 @@ class RawSubscriptions:
 
 
 class RawSubscription:
-    """One handle; rclpy's subscription behind it is replaced when the offers require another.
+    """One handle. rclpy's subscription behind it is replaced when the offers require another.
 
     The retired one stays until publishers have discovered its successor, so nothing is lost. What
     comes to both is delivered once, and so is what transient-local publishers give again.
@@ -174,7 +174,7 @@ class RawSubscription:
         return 0 if self._reader is None else self._reader.publishers
 
     def join_late(self, on_samples: Callable[[Sequence[Sample]], None]) -> Reader:
-        """Open a second reader; see `gateway.ports.RosSubscription.join_late`."""
+        """Open a second reader. See `gateway.ports.RosSubscription.join_late`."""
         reader = self._subscriptions.read(self.topic, self._message_class, self.qos, on_samples)
         reader.deliver_to(on_samples, with_publishers=True)
         return reader
@@ -185,7 +185,7 @@ class RawSubscription:
         return tuple(self._reported)
 
     def close(self) -> None:
-        """Destroy it; no callback comes after. Closing twice is harmless."""
+        """Destroy it. No callback comes after. Closing twice is harmless."""
         self._subscriptions.forget(self)
         self._unwatch()
         self._stop_timer()

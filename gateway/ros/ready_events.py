@@ -44,23 +44,23 @@ class EventSource(Protocol):
         """Let others take what is there: *on_ready* may stay out until `resume`."""
 
     def resume(self) -> None:
-        """End a pause; what has arrived meanwhile was reported, or is now."""
+        """End a pause. What has arrived meanwhile was reported, or is now."""
 
     def count_take(self) -> bool:
-        """Count one take of any outcome; return whether a message is known to have been there.
+        """Count one take of any outcome. Return whether a message is known to have been there.
 
         rclpy returns the same for a message that it cannot read as for no message.
         """
 
     def clear(self) -> object:
-        """Forget what has arrived so far; from *on_ready* of a source that is not counted."""
+        """Forget what has arrived so far. From *on_ready* of a source that is not counted."""
 
     def close(self) -> None:
         """Stop calling *on_ready* and destroy the entity. Closing twice is harmless."""
 
 
 class ReadyEvents(Protocol):
-    """A way to report arrivals to the event loop; no executor may spin the entities' node."""
+    """A way to report arrivals to the event loop. No executor may spin the entities' node."""
 
     def open(
         self,
@@ -71,7 +71,7 @@ class ReadyEvents(Protocol):
         *,
         is_counted: bool = True,
     ) -> EventSource:
-        """Create an entity; *on_ready* is called on the loop's thread while it has something.
+        """Create an entity. *on_ready* is called on the loop's thread while it has something.
 
         One call may stand for many events, or for none. If it is not counted, *on_ready* must call
         `EventSource.clear`, and nobody `count_take`. Raises what *create* raises.
@@ -123,7 +123,7 @@ class EventfdReadyEvents:
         *,
         is_counted: bool = True,
     ) -> "EventfdSource":
-        """Create an entity; see `ReadyEvents`."""
+        """Create an entity. See `ReadyEvents`."""
         return EventfdSource(
             self._loop, self._hooks, kind, create, destroy, on_ready, is_counted=is_counted
         )
@@ -163,7 +163,7 @@ class EventfdSource:
             self._undo = undo.pop_all()
         # Bound rather than wrapped: the data path calls it for every batch.
         self.clear: Callable[[], object] = partial(os.eventfd_read, self._fd)
-        """Forget what has arrived so far; from *on_ready* of a source that is not counted."""
+        """Forget what has arrived so far. From *on_ready* of a source that is not counted."""
 
     def notify_again(self) -> None:
         """Call *on_ready* once more, after other callbacks have had their turn."""
@@ -177,7 +177,7 @@ class EventfdSource:
         """Do nothing."""
 
     def count_take(self) -> bool:
-        """Count one take; see `EventSource`."""
+        """Count one take. See `EventSource`."""
         if not self._pending:
             self._count()
         is_pending = self._pending > 0

@@ -2,7 +2,7 @@
 """CDR of a message, moved to where it is aligned otherwise.
 
 CDR aligns a primitive to its size, counted from the beginning of the whole message. A goal that
-follows a goal's id of 16 bytes is as it is alone; a result that follows a status of one byte is
+follows a goal's id of 16 bytes is as it is alone. A result that follows a status of one byte is
 not. A structure has no alignment of its own, so its definition has to be walked, but only as far as
 the first primitive that is aligned as strictly as any in it: from there on the distance is a
 multiple of every alignment, and the rest is copied.
@@ -18,7 +18,7 @@ from gateway.ports import RosError
 from schemas.definition import Definition, FieldType
 from schemas.installed import InstalledDefinitions
 
-# how `struct` writes a primitive; a byte as a number, as the definitions have it
+# how `struct` writes a primitive. A byte as a number, as the definitions have it
 CODES: Final = {
     "bool": "?",
     "byte": "B",
@@ -119,7 +119,7 @@ class _Moving:
         self._count = Struct("<I" if is_little_endian else ">I")
 
     def walk(self, steps: Sequence[_Step]) -> bool:
-        """Move members; return whether all that is left has been copied."""
+        """Move members. Return whether all that is left has been copied."""
         for step in steps:
             if (self._offset - len(self.target)) % self._alignment == 0:
                 self.target += self._source[self._offset :]

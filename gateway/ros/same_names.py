@@ -15,13 +15,13 @@ from gateway.ros.qos import UNKNOWN_NODE
 
 # A node that was killed stays in the graph for 20 s: beside its successor it is no second one.
 PERSISTS_S: Final = 30.0
-MAX_NAMED: Final = 8  # names in a line, which people read; robots of one kind share dozens
+MAX_NAMED: Final = 8  # names in a line, which people read. Robots of one kind share dozens
 
 _logger = logging.getLogger(__name__)
 
 
 class SameNames:
-    """Looks at the names of nodes whenever the graph has changed; *read* returns them all.
+    """Looks at the names of nodes whenever the graph has changed. *read* returns them all.
 
     A node with one of the gateway's *own* names is another gateway's, and runs: discovery hears of
     no node that was killed before this process began.
@@ -46,9 +46,9 @@ class SameNames:
         return tuple(sorted(self._warned))
 
     def look(self) -> None:
-        """Begin to watch names that are shared now; what is watched already takes its time."""
+        """Begin to watch names that are shared now. What is watched already takes its time."""
         shared = self._shared()
-        self._warned &= shared  # no more than there are; who comes back is warned of again
+        self._warned &= shared  # no more than there are. Who comes back is warned of again
         if (own := shared & self._own) and not self._warned & self._own:
             _warn(sorted(own))
         self._warned |= own
@@ -56,7 +56,7 @@ class SameNames:
             self._suspect(shared - self._warned)
 
     def close(self) -> None:
-        """End it; nothing is logged afterwards."""
+        """End it. Nothing is logged afterwards."""
         if self._timer is not None:
             self._timer.cancel()
 

@@ -26,18 +26,18 @@ def unheard(_: int) -> None:
     """Serve as `OnLost` where nobody asks."""
 
 
-# as many as can be waiting when a flush begins; what arrives during a flood is not waited for
+# as many as can be waiting when a flush begins. What arrives during a flood is not waited for
 _TURNS_PER_FLUSH: Final = MAX_QUEUE_DEPTH // MAX_TAKES_PER_TURN
 
 
 class Samples:
-    """Readers of samples; no executor may spin their node."""
+    """Readers of samples. No executor may spin their node."""
 
     def __init__(self, node: Node, ready_events: ReadyEvents) -> None:
         self.node = node
         self.ready_events = ready_events
         self.large_takes = LargeTakes()
-        self.take_with_publisher = sample_taker()  # for the loop; threads have their own
+        self.take_with_publisher = sample_taker()  # for the loop. Threads have their own
 
     def read(
         self,
@@ -47,11 +47,11 @@ class Samples:
         on_samples: OnSamples,
         on_lost: OnLost = unheard,
     ) -> "Reader":
-        """Create a subscription; raises what rclpy raises."""
+        """Create a subscription. Raises what rclpy raises."""
         return Reader(self, message_class, topic, profile, on_samples, on_lost)
 
     def close(self) -> None:
-        """End the thread that takes large samples; to be called before the node is destroyed."""
+        """End the thread that takes large samples. To be called before the node is destroyed."""
         self.large_takes.close()
 
 
@@ -134,7 +134,7 @@ class Reader:
         self._source.close()
 
     def flush(self) -> None:
-        """Deliver now all that is waiting, in as many calls as it takes; closing ends it."""
+        """Deliver now all that is waiting, in as many calls as it takes. Closing ends it."""
         large, self._large = self._large, None
         if large is not None:
             self._source.resume()
@@ -206,7 +206,7 @@ class Reader:
         )
 
     def _large_has_ended(self) -> None:
-        """Have the loop finish; on the thread that has taken, unless that was cancelled."""
+        """Have the loop finish. On the thread that has taken, unless that was cancelled."""
         with contextlib.suppress(RuntimeError):  # the loop is closed
             self._loop.call_soon_threadsafe(self._finish_large)
 

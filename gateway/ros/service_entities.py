@@ -49,7 +49,7 @@ class Services:
             yield ServerInfo(name, (server.type_name,), (node,))
 
     def client(self, service: str, type_name: str) -> "RclpyClient":
-        """Open a client; see `gateway.ports.Ros.client`."""
+        """Open a client. See `gateway.ports.Ros.client`."""
         check_service(service)
         client = RclpyClient(
             self._endpoints,
@@ -66,7 +66,7 @@ class Services:
     def serve(
         self, service: str, type_name: str, on_request: Callable[[Request], None]
     ) -> "RclpyService":
-        """Open a server; see `gateway.ports.Ros.serve`."""
+        """Open a server. See `gateway.ports.Ros.serve`."""
         check_service(service)
         if service in self._provided:
             raise RosError("limit_exceeded", f"service {service} is provided here already")
@@ -138,7 +138,7 @@ class RclpyClient:
         )
 
     async def call(self, request: bytes) -> bytes:
-        """Wait for a server, send the request, wait for the response; see the port."""
+        """Wait for a server, send the request, wait for the response. See the port."""
         with refusals(self._subject):
             message = self._form.to_request(request)
         return self._form.to_cdr(await self._requester.send(message))
@@ -199,7 +199,7 @@ class RclpyService:
         return self._replier.has_replied
 
     def close(self) -> None:
-        """Deliver what has arrived and withdraw the service; see the port."""
+        """Deliver what has arrived and withdraw the service. See the port."""
         if not self._is_closed:
             self._is_closed = True
             try:

@@ -20,7 +20,7 @@ from schemas.interface import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL
 
 _logger = logging.getLogger(__name__)
 
-# the hash of the definition here, of names such as pkg/srv/Name_Request; None if there is none
+# the hash of the definition here, of names such as pkg/srv/Name_Request. None if there is none
 HashOf = Callable[[str], str | None]
 
 
@@ -49,7 +49,7 @@ class Versions:
         self._clients: set[str] = set()
 
     def conflict(self, servers: frozenset[bytes]) -> RosError | None:
-        """Return the refusal of a call if a server has another definition; log which node's it is.
+        """Return the refusal of a call if a server has another definition. Log which node's it is.
 
         *servers* identify them: those in which nothing was found are not looked at again.
         The refusal names no node, as not every client may see them.

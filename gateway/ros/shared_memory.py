@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The shared memory that Fast DDS leaves behind when its process is killed.
 
-Each participant writes its samples into a segment of its own (0.5 MB; more for large messages) and
+Each participant writes its samples into a segment of its own (0.5 MB, more for large messages) and
 holds a lock on a file beside it. A participant that ends removes both. What a killed one leaves is
-removed by another one that has received from it; without any, it stays until the machine restarts
+removed by another one that has received from it. Without any, it stays until the machine restarts
 or somebody calls ``fastdds shm clean``.
 
 A process that is killed while it writes to another one, or reads, keeps the mutex of that port.
@@ -68,7 +68,7 @@ def without_shared_memory() -> Iterator[None]:
 
 
 def check_room(folder: Path = FOLDER) -> None:
-    """Check that ROS can start; DDS itself does without shared memory if there is little room.
+    """Check that ROS can start. DDS itself does without shared memory if there is little room.
 
     Raises:
         RosError: there is no room.

@@ -21,7 +21,7 @@ from gateway.ros.shared_memory import without_shared_memory
 
 
 class StandAlone:
-    """One participant with one node; nothing spins it. A context manager.
+    """One participant with one node. Nothing spins it. A context manager.
 
     It has no shared memory. Another process may have been killed with the mutex of a reader's port,
     and what is sent after that would reach the reader a second later.
@@ -88,7 +88,7 @@ class StandAlone:
         return StandAlonePublisher(self, publisher)
 
     def readers(self, topic: str) -> set[str]:
-        """Return the ids of the subscriptions to a topic; see `gateway.ports.Ros.readers`."""
+        """Return the ids of the subscriptions to a topic. See `gateway.ports.Ros.readers`."""
         # not by `gateway.ros.graph`, as above
         infos = self._node.get_subscriptions_info_by_topic(topic)
         return {bytes(each.endpoint_gid).hex() for each in infos}
@@ -106,7 +106,7 @@ class StandAlone:
 
 
 class StandAlonePublisher:
-    """A publisher of raw samples; see `gateway.ports.Publisher`."""
+    """A publisher of raw samples. See `gateway.ports.Publisher`."""
 
     def __init__(self, owner: StandAlone, publisher: Any) -> None:
         self._owner = owner

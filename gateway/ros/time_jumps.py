@@ -8,7 +8,7 @@ from typing import Final
 from rclpy.clock import Clock, JumpThreshold, TimeJump
 from rclpy.duration import Duration
 
-# any jump, as for tf2's listeners; without simulated time there is none
+# any jump, as for tf2's listeners. Without simulated time there is none
 _BACK: Final = JumpThreshold(
     min_forward=None, min_backward=Duration(nanoseconds=-1), on_clock_change=False
 )
@@ -27,7 +27,7 @@ class JumpWatch:
         self._handle = clock.create_jump_callback(_BACK, post_callback=pass_on)
 
     def close(self) -> None:
-        """End it; no callback comes after. Closing twice is harmless."""
+        """End it. No callback comes after. Closing twice is harmless."""
         self._on_jump = None
         self._handle.unregister()
 

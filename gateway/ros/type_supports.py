@@ -52,7 +52,7 @@ class MessageSupport(ctypes.Structure):
 
 
 class ServiceSupport(ctypes.Structure):
-    """rosidl_service_type_support_t; the event may be missing, as nothing here introspects."""
+    """rosidl_service_type_support_t. The event may be missing, as nothing here introspects."""
 
     _fields_ = (
         ("identifier", ctypes.c_char_p),
@@ -148,7 +148,7 @@ class Finder:
     """The function by which rmw asks a type for the support that it understands, for all types."""
 
     def __init__(self, introspection: int | None) -> None:
-        """Make it; *introspection* is a support in rosidl_typesupport_introspection_c, if any."""
+        """Make it. *introspection* is a support in rosidl_typesupport_introspection_c, if any."""
 
         @functools.cache
         def find(handle: int, identifier: bytes) -> int | None:
@@ -164,7 +164,7 @@ class Finder:
     def prepare(self, handle: int) -> None:
         """Have the answers for a type in the cache, so that no bytecode runs to give them.
 
-        rmw asks under a lock of DDS; see `gateway.ros.raw_messages`.
+        rmw asks under a lock of DDS. See `gateway.ros.raw_messages`.
         """
         for identifier in _IDENTIFIERS:
             self._find(handle, identifier)

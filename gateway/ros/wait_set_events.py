@@ -22,7 +22,7 @@ from gateway.ros.rclpy_private import EntityWaitSet, Kind
 # After a failure that may come back at once, of waiting and of handling: neither may fill the log.
 WAIT_PAUSE_S: Final = 1.0
 HANDLING_PAUSE_S: Final = 0.1
-# For the thread to end its wait, which takes microseconds; a machine may be busy.
+# For the thread to end its wait, which takes microseconds. A machine may be busy.
 RELEASE_S: Final = 1.0
 
 _logger = logging.getLogger(__name__)
@@ -54,7 +54,7 @@ class WaitSetReadyEvents:
         *,
         is_counted: bool = True,  # here nothing is
     ) -> "WaitSetSource":
-        """Create an entity; see `gateway.ros.ready_events.ReadyEvents`."""
+        """Create an entity. See `gateway.ros.ready_events.ReadyEvents`."""
         return WaitSetSource(self, self._loop, kind, create, destroy, on_ready)
 
     def add(self, source: "WaitSetSource") -> None:
@@ -63,7 +63,7 @@ class WaitSetReadyEvents:
         self._wait_set.wake()
 
     def remove(self, source: "WaitSetSource") -> None:
-        """Wait for a source no more; return once the wait that holds its entity has ended.
+        """Wait for a source no more. Return once the wait that holds its entity has ended.
 
         Who opens its topic again at once may want another type, which rmw refuses while it exists.
         """
@@ -81,7 +81,7 @@ class WaitSetReadyEvents:
         return (Fault("dead", "the thread that waits for messages has ended"),)
 
     def close(self) -> None:
-        """End the thread; no call comes after."""
+        """End the thread. No call comes after."""
         self._stopping.set()
         self._wait_set.wake()
         self._thread.join()
@@ -92,7 +92,7 @@ class WaitSetReadyEvents:
             try:
                 self._wait()
             except REFUSALS:
-                if not self._context.ok():  # nothing comes any more; the port says so
+                if not self._context.ok():  # nothing comes any more. The port says so
                     return
                 _logger.exception("waiting for messages failed")
                 self._stopping.wait(WAIT_PAUSE_S)

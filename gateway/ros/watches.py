@@ -18,7 +18,7 @@ class GraphWatch:
         self._on_change = on_change
 
     def close(self) -> None:
-        """End it; no callback comes after. Closing twice is harmless."""
+        """End it. No callback comes after. Closing twice is harmless."""
         self._watches.remove(self)
 
     def notify(self) -> None:

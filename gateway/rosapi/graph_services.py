@@ -18,7 +18,7 @@ _Answer = dict[str, object]
 
 
 class GraphServices:
-    """The services about the graph; *own* returns rosapi's services with their types.
+    """The services about the graph. *own* returns rosapi's services with their types.
 
     They are listed as if a node ``/rosapi`` provided them, as it does beside rosbridge.
     """
@@ -68,7 +68,7 @@ class GraphServices:
         return {"node": service.nodes[0] if service and service.nodes else ""}
 
     def service_providers(self, request: Mapping[str, str]) -> _Answer:
-        """List the nodes that provide services of a type; the field ``service`` holds the type."""
+        """List the nodes that provide services of a type. The field ``service`` holds the type."""
         type_name = full_type(request["service"], "srv")
         services = [service for service in self._services() if type_name in service.types]
         return {"providers": _each_once(node for service in services for node in service.nodes)}

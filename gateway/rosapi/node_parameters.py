@@ -38,7 +38,7 @@ EACH_NODE_TIMEOUT_S: Final = 1.0
 ASK_AGAIN_S: Final = 1.2
 # However long a client would wait: a node that is silent for longer has stopped spinning.
 MAX_TIMEOUT_S: Final = 60.0
-# Each takes a ROS client, of 256 entities in all; two batches of dead nodes fit the time above.
+# Each takes a ROS client, of 256 entities in all. Two batches of dead nodes fit the time above.
 NODES_AT_ONCE: Final = 32
 
 
@@ -71,7 +71,7 @@ _DESCRIBE: Final = _Service(
 
 
 def node_timeout_s(asked: float | None, default: float = NODE_TIMEOUT_S) -> float:
-    """Return the time-out of nodes for a client's *asked*; 0 asks for the longest."""
+    """Return the time-out of nodes for a client's *asked*. 0 asks for the longest."""
     return default if asked is None else min(asked or MAX_TIMEOUT_S, MAX_TIMEOUT_S)
 
 
@@ -106,9 +106,9 @@ class Parameters:
     async def get(
         self, node: str, names: Sequence[str] | None = None, timeout_s: float = NODE_TIMEOUT_S
     ) -> dict[str, object]:
-        """Return the values of *names* or of all parameters; ``None`` if one has no value.
+        """Return the values of *names* or of all parameters. ``None`` if one has no value.
 
-        `gateway.codec.json.dumps` takes the values; bytes are base64.
+        `gateway.codec.json.dumps` takes the values. Bytes are base64.
 
         Raises:
             ProtocolError: also ``not_found`` if a parameter is not declared.
@@ -117,14 +117,14 @@ class Parameters:
         asked = sorted(await conversation.declared()) if names is None else names
         found = await conversation.ask_each(_GET, asked)
         values = {name: value_of(found[name]) if name in found else None for name in asked}
-        # Nodes differ in their answers for an undeclared parameter; none reports it clearly.
+        # Nodes differ in their answers for an undeclared parameter. None reports it clearly.
         await conversation.check_declared([name for name in names or () if values[name] is None])
         return values
 
     async def set(
         self, node: str, values: Mapping[str, object], timeout_s: float = NODE_TIMEOUT_S
     ) -> dict[str, SetResult]:
-        """Set values, each by itself; ``None`` undeclares a parameter.
+        """Set values, each by itself. ``None`` undeclares a parameter.
 
         A value is sent with the type of the parameter, or with its own if that has none.
         """
@@ -195,7 +195,7 @@ class Parameters:
     async def call(
         self, node: str, service: _Service, request: dict[str, object], deadline: Deadline
     ) -> dict[str, Any]:
-        """Call a parameter service of a node; raises what `ServiceClients.call` raises."""
+        """Call a parameter service of a node. Raises what `ServiceClients.call` raises."""
         try:
             service_type = self._types.service(service.type_name)
         except (UnknownTypeError, DefinitionError) as error:
@@ -240,13 +240,13 @@ class _Conversation:
         return sorted(response["names"])
 
     async def declared(self) -> frozenset[str]:
-        """Return the names of all parameters of the node; it is asked once."""
+        """Return the names of all parameters of the node. It is asked once."""
         if self._declared is None:
             self._declared = frozenset(await self.names())
         return self._declared
 
     async def ask_each(self, service: _Service, names: Sequence[str]) -> dict[str, Any]:
-        """Call a service about parameters; leave out those that the node does not answer."""
+        """Call a service about parameters. Leave out those that the node does not answer."""
         names = [name for name in names if "\0" not in name]  # no string in ROS can have one
         if not names:
             return {}

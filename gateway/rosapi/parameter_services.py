@@ -20,14 +20,14 @@ from gateway.rosapi.node_parameters import (
 _Request = Mapping[str, str]
 _Answer = dict[str, object]
 
-# Clients parse this if there is no value; they would fail on an empty string.
+# Clients parse this if there is no value. They would fail on an empty string.
 _NO_VALUE = "null"
 
 
 class ParameterServices:
     """The services about parameters.
 
-    *timeout_s* is the client's, or ``None`` if it gives none; see `node_timeout_s`.
+    *timeout_s* is the client's, or ``None`` if it gives none. See `node_timeout_s`.
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -57,7 +57,7 @@ class ParameterServices:
         return await self._set(request["name"], None, timeout_s)
 
     async def has_param(self, request: _Request, timeout_s: float | None) -> _Answer:
-        """Answer whether a parameter has a value; after any failure, the answer is no."""
+        """Answer whether a parameter has a value. After any failure, the answer is no."""
         try:
             return {"exists": await self._value(request["name"], timeout_s) is not None}
         except ProtocolError:
@@ -91,7 +91,7 @@ def _split(requested: str) -> tuple[str, str]:
 
 
 def _default(text: str) -> str:
-    """Return a client's default as JSON; rosbridge takes plain text as well."""
+    """Return a client's default as JSON. rosbridge takes plain text as well."""
     if not text:
         return _NO_VALUE
     try:

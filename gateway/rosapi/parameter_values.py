@@ -42,7 +42,7 @@ _LOWEST, _HIGHEST = INTEGER_RANGES["int64"]
 
 
 class ParameterValueError(ValueError):
-    """A value does not fit the type of a parameter; the text says what was expected."""
+    """A value does not fit the type of a parameter. The text says what was expected."""
 
 
 def type_word(number: int) -> str:
@@ -51,9 +51,9 @@ def type_word(number: int) -> str:
 
 
 def value_of(message: Mapping[str, Any]) -> object:
-    """Return the value in a decoded ParameterValue; ``None`` means that it is not set.
+    """Return the value in a decoded ParameterValue. ``None`` means that it is not set.
 
-    Bytes are base64, NaN and infinities are named, as null means that there is no value;
+    Bytes are base64, NaN and infinities are named, as null means that there is no value.
     `gateway.codec.json.dumps` takes all of it.
     """
     return named(message.get(f"{type_word(message['type'])}_value"), "string")

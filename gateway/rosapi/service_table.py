@@ -118,7 +118,7 @@ class Rosapi:
     ) -> Answer | Callable[[], Awaitable[Answer]]:
         """Answer a call of a rosapi service, or return a function that asks other nodes first.
 
-        *args* are the values of the request's fields, by name or in order; ``None`` means none are
+        *args* are the values of the request's fields, by name or in order. ``None`` means none are
         given. *timeout_s* is for other nodes: ``None`` is the default of each service, 0 the
         longest.
 

@@ -7,7 +7,7 @@ from typing import Final
 # So that a series of requests to a dead node does not wait for each of them, while a request after
 # a pause is sent anew.
 FRESH_S: Final = 0.5
-MAX_NODES: Final = 256  # names only; a graph with more dead nodes has other troubles
+MAX_NODES: Final = 256  # names only. A graph with more dead nodes has other troubles
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from gateway.tf.errors import (
 from gateway.tf.history import HISTORY_NS, History
 from gateway.tf.rigid import IDENTITY, Rigid
 
-# Five humanoids with all their fingers; 67 MB if every frame moves at 200 Hz. A tracker may
+# Five humanoids with all their fingers. 67 MB if every frame moves at 200 Hz. A tracker may
 # invent new names for ever: frames that have ceased make room.
 MAX_FRAMES: Final = 512
 # Frame names with namespaces, prefixes and numbers stay below half of it.
@@ -106,7 +106,7 @@ class Buffer:
         return is_static or not isinstance(known, _Fixed)
 
     def clear(self) -> None:
-        """Forget moving frames; static ones stay, because nobody would publish them again."""
+        """Forget moving frames. Static ones stay, because nobody would publish them again."""
         self._keep(lambda frame: isinstance(frame, _Fixed))
 
     def forget(self) -> None:

@@ -17,7 +17,7 @@ class TransformError(Exception):
 
 
 class UnknownFrameError(TransformError):
-    """No transform names the frame; *known* are the frames that transforms name."""
+    """No transform names the frame. *known* are the frames that transforms name."""
 
     def __init__(self, frame: str, known: Collection[str]) -> None:
         super().__init__(frame)
@@ -34,14 +34,14 @@ class UnknownFrameError(TransformError):
 
 
 class NotConnectedError(TransformError):
-    """No common ancestor; *target* and *source* are the frames with all their ancestors."""
+    """No common ancestor. *target* and *source* are the frames with all their ancestors."""
 
     def __init__(self, target: Sequence[str], source: Sequence[str]) -> None:
         super().__init__(f"frames are not connected: {_tree(target)}, {_tree(source)}")
 
 
 class LoopError(TransformError):
-    """No common ancestor, and one frame is its own ancestor; *frames* lead from it to itself."""
+    """No common ancestor, and one frame is its own ancestor. *frames* lead from it to itself."""
 
     def __init__(self, frames: Sequence[str]) -> None:
         super().__init__(f"frames are in a loop: {' in '.join(frames)}")

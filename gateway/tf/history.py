@@ -10,7 +10,7 @@ from gateway.tf.rigid import Rigid
 HISTORY_NS: Final = 10_000_000_000  # as tf2 keeps by default
 # 10 s at 200 Hz, 130 kB a frame. A faster frame is kept for less time.
 MAX_SAMPLES: Final = 2000
-# No network delays a sample for this long; a clock that is set back, or a recording that starts
+# No network delays a sample for this long. A clock that is set back, or a recording that starts
 # over, goes back further.
 JUMP_BACK_NS: Final = 2_000_000_000
 
@@ -18,7 +18,7 @@ _WIDTH: Final = len(Rigid._fields)
 
 
 class History:
-    """The samples of one frame, sorted by stamp; at least one.
+    """The samples of one frame, sorted by stamp. At least one.
 
     ``heard_ns`` is the arrival of the newest one, on the caller's clock: stamps may be wrong.
     """
@@ -47,13 +47,13 @@ class History:
         return set(self._parents)
 
     def parent(self, stamp_ns: int | None) -> str:
-        """Return the parent at a time; ``None`` means the newest sample's time."""
+        """Return the parent at a time. ``None`` means the newest sample's time."""
         if stamp_ns is None:
             return self._parents[-1]
         return self._parents[max(0, bisect_right(self._starts, stamp_ns) - 1)]
 
     def add(self, stamp_ns: int, parent: str, transform: Rigid, heard_ns: int = 0) -> bool:
-        """Add a sample; return whether anything has changed.
+        """Add a sample. Return whether anything has changed.
 
         A sample replaces an earlier one with the same stamp, as in tf2: without a clock, all stamps
         are 0. A sample from long before the newest begins a new history: time has jumped back.
@@ -96,7 +96,7 @@ class History:
         return Rigid(*self._values[index * _WIDTH : (index + 1) * _WIDTH])
 
     def _hand_over(self, at: int, stamp_ns: int, parent: str) -> None:
-        """Record the parent of a sample about to be inserted at *at*; the others keep theirs."""
+        """Record the parent of a sample about to be inserted at *at*. The others keep theirs."""
         run = bisect_right(self._starts, stamp_ns)
         if run and self._parents[run - 1] == parent:
             return
@@ -108,7 +108,7 @@ class History:
         self._parents.insert(run, parent)
 
     def _remove(self, at: int) -> None:
-        """Remove one sample; the others keep their parents."""
+        """Remove one sample. The others keep their parents."""
         stamp_ns = self._stamps.pop(at)
         del self._values[at * _WIDTH : (at + 1) * _WIDTH]
         run = bisect_right(self._starts, stamp_ns) - 1

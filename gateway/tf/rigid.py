@@ -5,9 +5,9 @@ import math
 from typing import Final, NamedTuple
 
 Vector = tuple[float, float, float]
-# radians; below, slerp divides by next to nothing, and lerp is as good
+# radians. Below, slerp divides by next to nothing, and lerp is as good
 _SMALL_ANGLE: Final = 1e-4
-_SHORTEST: Final = 1e-6  # of a quaternion that is meant; an unset one is 0 0 0 0
+_SHORTEST: Final = 1e-6  # of a quaternion that is meant. An unset one is 0 0 0 0
 
 
 class Rigid(NamedTuple):
@@ -56,7 +56,7 @@ class Rigid(NamedTuple):
         )
 
     def towards(self, other: "Rigid", ratio: float) -> "Rigid":
-        """Interpolate: 0 is this one, 1 the other; the rotation goes the short way (slerp)."""
+        """Interpolate: 0 is this one, 1 the other. The rotation goes the short way (slerp)."""
         return Rigid(
             self.x + ratio * (other.x - self.x),
             self.y + ratio * (other.y - self.y),
@@ -71,7 +71,7 @@ class Rigid(NamedTuple):
     def angle(self, other: "Rigid") -> float:
         """Return the radians, up to pi, of the rotation between the two."""
         apart = math.dist(self[3:], other[3:])
-        # q and -q are the same rotation; the nearer one is the short way
+        # q and -q are the same rotation. The nearer one is the short way
         opposite = math.hypot(*(a + b for a, b in zip(self[3:], other[3:], strict=True)))
         # the arc cosine of their product would find no angle below 1e-8
         return 4 * math.atan2(min(apart, opposite), max(apart, opposite))
@@ -98,7 +98,7 @@ IDENTITY: Final = Rigid(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 def _slerp(one: Rigid, other: Rigid, ratio: float) -> tuple[float, float, float, float]:
     """Shoemake, Animating rotation with quaternion curves, SIGGRAPH 1985."""
     dot = sum(a * b for a, b in zip(one[3:], other[3:], strict=True))
-    # q and -q are the same rotation; the nearer one is the short way
+    # q and -q are the same rotation. The nearer one is the short way
     sign = -1.0 if dot < 0 else 1.0
     angle = math.acos(min(1.0, abs(dot)))
     if angle < _SMALL_ANGLE:

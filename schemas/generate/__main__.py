@@ -26,7 +26,7 @@ def main(
     """Generate, or compare with ``--check``.
 
     Returns:
-        0: done, or nothing differs; 1: something differs; 2: generation is impossible.
+        0: done, or nothing differs. 1: something differs. 2: generation is impossible.
     """
     parser = argparse.ArgumentParser(
         prog="python -m schemas.generate",

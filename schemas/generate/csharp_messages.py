@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write the C# messages of the Unity client: a file per package, a class per message type.
 
-A class has its ROS name and ``Msg``, so that none collides with UnityEngine or System; the parts of
+A class has its ROS name and ``Msg``, so that none collides with UnityEngine or System. The parts of
 services and actions are ``SetBoolRequest``, ``FibonacciGoal`` and so on. Each reads and writes
 itself as JSON, without reflection.
 """
@@ -47,7 +47,7 @@ _READS: Final = {
 _INHERITED: Final = ("/// <inheritdoc/>",)
 _KINDS: Final = {"srv": "Service", "action": "Action"}
 
-# The gateway stamps a header that has no stamp; a stamp of 0 stays 0.
+# The gateway stamps a header that has no stamp. A stamp of 0 stays 0.
 _UNSTAMPED: Final = ("std_msgs/msg/Header", "stamp")
 _HEADER_REMARK: Final = """\
 A stamp that nobody has set is not written, so that the gateway stamps the message when it arrives.

@@ -66,7 +66,7 @@ def bundle(schemas: Iterable[Schema]) -> Schema:
 
 
 def text_of(schema: Schema, generated: str) -> str:
-    """Return the text of a file; *generated* says how it was made."""
+    """Return the text of a file. *generated* says how it was made."""
     return json.dumps({"$comment": generated, **schema}, indent=2, ensure_ascii=False) + "\n"
 
 
@@ -81,7 +81,7 @@ def file_name(name: str) -> PurePosixPath:
 
 
 def schema_of(definition: Definition, nested: Iterable[Definition], type_hash: str) -> Schema:
-    """Return the schema of one type; *nested* are all the types below it."""
+    """Return the schema of one type. *nested* are all the types below it."""
     schema: Schema = {"$schema": _DIALECT, "title": definition.name}
     schema |= _message(definition)
     if definition.constants:
@@ -172,7 +172,7 @@ def _single(field_type: FieldType) -> Schema:
         case "string" | "wstring":
             schema: Schema = {"type": "string", "pattern": _NO_NUL}
             if field_type.string_bound is not None:
-                # In characters; the gateway counts UTF-8 bytes or UTF-16 units.
+                # In characters. The gateway counts UTF-8 bytes or UTF-16 units.
                 schema["maxLength"] = field_type.string_bound
             return schema
         case base if base in INTEGER_RANGES:

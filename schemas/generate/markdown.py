@@ -5,7 +5,7 @@ from schemas.definition import Constant, Definition, Field, Value
 
 
 def members(definition: Definition, page: str = "") -> list[str]:
-    """Return the tables of a type's fields and constants; *page* has the nested messages."""
+    """Return the tables of a type's fields and constants. *page* has the nested messages."""
     lines = []
     if definition.fields:
         lines.append("| Field | Type | Default | Description |\n|---|---|---|---|")

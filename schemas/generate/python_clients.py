@@ -63,7 +63,7 @@ def _check_order(packages: Mapping[str, Iterable[Definition]]) -> None:
 
 
 def _unique_names(definitions: Iterable[Definition]) -> dict[str, str]:
-    """Return class names that differ; types that share theirs have the package before it."""
+    """Return class names that differ. Types that share theirs have the package before it."""
     own = list(definitions)
     shared = Counter(definition.short_name for definition in own)
     names: dict[str, str] = {}

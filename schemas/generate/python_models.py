@@ -2,7 +2,7 @@
 """Write Pydantic models: a module per package, a class per message type.
 
 The parts of services and actions are classes like the others, with rosidl's names
-(``SetBool_Request``); no message has an underscore in its name.
+(``SetBool_Request``). No message has an underscore in its name.
 `schemas.build` executes the same text, one class at a time, for types outside the table.
 """
 
@@ -64,7 +64,7 @@ def write(catalogue: Catalogue) -> dict[str, str]:
 def module_of(
     package: str, definitions: Iterable[Definition], catalogue: Catalogue, beside: str
 ) -> str:
-    """Return the module of a package; *beside* comes before the names of the others it imports."""
+    """Return the module of a package. *beside* comes before the names of the others it imports."""
     own = list(definitions)
     names = class_names(own)
     known = {definition.name for definition in own}
@@ -76,7 +76,7 @@ def module_of(
 def class_sources(
     definitions: Iterable[Definition], catalogue: Catalogue, names: Mapping[str, str]
 ) -> list[str]:
-    """Return the classes of some types of a catalogue; *names* are as for `class_source`."""
+    """Return the classes of some types of a catalogue. *names* are as for `class_source`."""
     purposes = catalogue.purposes()
     return [
         class_source(one, catalogue.hashes[one.name], names, purposes.get(one.name))
@@ -107,7 +107,7 @@ def prefixed(name: str) -> str:
 def class_source(
     definition: Definition, type_hash: str, names: Mapping[str, str], purpose: str | None = None
 ) -> str:
-    """Return the class of one type; *names* are the classes it can see, by ``pkg/msg/Name``.
+    """Return the class of one type. *names* are the classes it can see, by ``pkg/msg/Name``.
 
     The text needs ``ros`` (schemas.message) and the nested classes in its name space.
     """
@@ -240,7 +240,7 @@ def _constant(constant: Constant) -> list[str]:
     name = constant_attribute(constant.name)
     value = _literal(constant.value)
     if value == "None":
-        kind, value = "float", 'float("nan")'  # a constant can be NaN; a field holds None for it
+        kind, value = "float", 'float("nan")'  # a constant can be NaN. A field holds None for it
     line = f"    {name}: ros.ClassVar[{kind}] = {value}"
     comment = _printable(constant.comment)
     if "\n" not in comment:

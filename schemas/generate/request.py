@@ -14,14 +14,14 @@ Wire = Literal["json", "cbor"]
 
 
 class ClientCodeError(ValueError):
-    """Some types cannot be written in a language; the text says which, and what to do."""
+    """Some types cannot be written in a language. The text says which, and what to do."""
 
 
 @dataclass(frozen=True, slots=True)
 class GenerateRequest:
     """The types that somebody asks for.
 
-    ``names`` are their full names, sorted; ``catalogue`` has these and all nested types;
+    ``names`` are their full names, sorted. ``catalogue`` has these and all nested types.
     ``generated`` is one line that begins with `MARK`. ``wire`` is the form of received messages,
     of which TypeScript alone knows two. ``complete`` asks for the C# classes that the Unity
     package has, too. ``asmdef`` names the Unity assembly that the C# files are to be, if any.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """TypeScript for clients such as roslibjs: interfaces of the messages as they are received.
 
-A package is a module or, in one text of all, a name space; both refer to others as
+A package is a module or, in one text of all, a name space. Both refer to others as
 ``std_msgs.Header``. The parts of services and actions have rosidl's names (``SetBool_Request``):
 no message has an underscore in its name.
 """

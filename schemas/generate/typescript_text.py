@@ -8,7 +8,7 @@ from typing import Final
 from schemas.definition import FLOATS, STRINGS, FieldType, Scalar
 from schemas.generate.request import Wire
 
-# Reserved words that could be the name of a package; those of fields need no care.
+# Reserved words that could be the name of a package. Those of fields need no care.
 _RESERVED_LIST: Final = """
     any arguments as async await boolean break case catch class const continue debugger default
     delete do else enum eval export extends false finally for function if implements import in
@@ -19,7 +19,7 @@ _RESERVED_LIST: Final = """
 _RESERVED: Final = frozenset(_RESERVED_LIST.split())
 
 _LONG: Final = frozenset({"int64", "uint64"})
-# roslib 2 reads RFC 8746 like this; roslib 1 has plain arrays for the two of 64 bits.
+# roslib 2 reads RFC 8746 like this. roslib 1 has plain arrays for the two of 64 bits.
 _TYPED_ARRAYS: Final = {
     "int8": "Int8Array",
     "int16": "Int16Array",
@@ -39,7 +39,7 @@ def identifier(package: str) -> str:
 
 
 def type_of(field_type: FieldType, wire: Wire, reference: str | None = None) -> str:
-    """Return the type of a field; *reference* is the name of the interface that it nests."""
+    """Return the type of a field. *reference* is the name of the interface that it nests."""
     if field_type.is_octets:
         return "globalThis.Uint8Array" if wire == "cbor" else "string"
     single = reference or _primitive(field_type.base, wire)

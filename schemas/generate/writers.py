@@ -64,7 +64,7 @@ class Output:
         return sorted([*differing, *self.stale])
 
     def write(self) -> list[Path]:
-        """Bring the tree up to date; return the changed paths."""
+        """Bring the tree up to date. Return the changed paths."""
         changed = self.differences()
         for path in changed:
             if path in self.texts:

@@ -170,7 +170,7 @@ def test_a_huge_picture_does_not_hide_behind_a_marker_without_a_length(marker):
 
 @pytest.mark.parametrize("marker", [0x00, 0x01, 0xD0, 0xD7, 0xD8, 0xD9])
 def test_a_jpeg_states_one_size_to_us_and_to_its_decoder(marker: int):
-    # libjpeg reads on behind this marker; as one of a segment, it would hide the frame from us
+    # libjpeg reads on behind this marker. As one of a segment, it would hide the frame from us
     jpeg = b"\xff\xd8\xff" + bytes((marker,)) + coded(colours(), ".jpg")[2:]
     (hidden,) = struct.unpack_from(">H", jpeg, 4)
     frame = b"\xff\xc0" + struct.pack(">HBHH", 17, 8, 8, 8)

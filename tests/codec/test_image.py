@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures keep their content, whatever the encoding; contradictions raise `ImageError`.
+"""Pictures keep their content, whatever the encoding. Contradictions raise `ImageError`.
 
 The reference is written in numpy alone: a known picture, put into each encoding by the
 definitions in sensor_msgs/image_encodings.hpp.
@@ -63,7 +63,7 @@ def widened(pixels):
 
 
 def mosaic(pixels, pattern):
-    """The one colour that each pixel of a Bayer sensor sees; the pattern starts top left."""
+    """The one colour that each pixel of a Bayer sensor sees. The pattern starts top left."""
     seen = np.empty(pixels.shape[:2], pixels.dtype)
     for place, colour in enumerate(pattern):
         cell = np.s_[place // 2 :: 2, place % 2 :: 2]

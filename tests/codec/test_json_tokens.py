@@ -57,7 +57,7 @@ def test_text_that_python_writes_is_read_as_python_reads_it(value, ensure_ascii,
         json.loads(text)
     except UnicodeError:
         return
-    # a lone surrogate, perhaps; hypothesis knows the integers in the source
+    # a lone surrogate, perhaps. Hypothesis knows the integers in the source
     if b"\\ud" in text or json_tokens._MARK in text:
         return
     assert same(loads(text), json.loads(text))

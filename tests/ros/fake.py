@@ -225,7 +225,7 @@ class FakeWatch:
 
 
 class FakeRos:
-    """The port; what is public beyond it is for tests to look at and to drive."""
+    """The port. What is public beyond it is for tests to look at and to drive."""
 
     def __init__(
         self,
@@ -417,7 +417,7 @@ class FakeRos:
     def add_publisher(
         self, topic: str, type_name: str, qos: Qos | None = None, node: str = "/outside"
     ) -> FakePublisher:
-        """Add a publisher; what *qos* leaves open gets the defaults of ROS."""
+        """Add a publisher. What *qos* leaves open gets the defaults of ROS."""
         offered = complete_offer(qos or Qos())
         publisher = FakePublisher(
             self, topic, type_name, offered, node, deque(maxlen=offered.depth or _MAX_RETAINED)
@@ -461,7 +461,7 @@ class FakeRos:
         on_request: Callable[[Request], None],
         node: str = "/outside",
     ) -> FakeService:
-        """Add a server of a service; closing it lets it vanish."""
+        """Add a server of a service. Closing it lets it vanish."""
         service = FakeService(self, name, type_name, on_request, node)
         self.services.append(service)
         self.changed()
@@ -485,7 +485,7 @@ class FakeRos:
         accepts: Callable[[bytes], bool] = lambda goal: True,
         node: str = "/outside",
     ) -> FakeActionServer:
-        """Add a server of an action; closing it lets it vanish, with its goals unfinished."""
+        """Add a server of an action. Closing it lets it vanish, with its goals unfinished."""
         server = FakeActionServer(self, name, type_name, on_goal, on_cancel, node, accepts)
         self.action_servers.append(server)
         self.changed()

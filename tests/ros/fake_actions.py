@@ -27,7 +27,7 @@ class FakeActionServer:
     goals: list["FakeGoalRequest"] = field(default_factory=list)
 
     def close(self) -> None:
-        """End it; the gateway's own aborts its goals, one outside just vanishes."""
+        """End it. The gateway's own aborts its goals, one outside just vanishes."""
         if self not in self.ros.action_servers:
             return
         if self.ros.is_own(self.node):
@@ -162,7 +162,7 @@ class FakeActionClient:
             self.follow()
 
     def follow(self) -> None:
-        """Send what waits for a server; fail what has lost it, or this client."""
+        """Send what waits for a server. Fail what has lost it, or this client."""
         servers = [
             server
             for server in self.ros.action_servers

@@ -24,7 +24,7 @@ class FakeService:
     is_closing: bool = False
 
     def close(self) -> None:
-        """End it; the gateway's own delivers what has arrived, one outside just vanishes."""
+        """End it. The gateway's own delivers what has arrived, one outside just vanishes."""
         if self not in self.ros.services or self.is_closing:
             return
         self.is_closing = True
@@ -98,7 +98,7 @@ class FakeClient:
             self.follow()
 
     def follow(self) -> None:
-        """Send what waits for a server; fail what has lost it, or this client."""
+        """Send what waits for a server. Fail what has lost it, or this client."""
         servers = [s for s in self.ros.services if (s.name, s.type_name) == self._matching]
         for call in self.calls:
             if call.response.done():

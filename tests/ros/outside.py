@@ -43,7 +43,7 @@ class OutsidePublisher:
 
 
 class Outside:
-    """One participant with one spun node, ``/outside`` unless named; some never answer."""
+    """One participant with one spun node, ``/outside`` unless named. Some never answer."""
 
     def __init__(self, name: str = "outside", *, answers: bool = True) -> None:
         self.context = Context()
@@ -56,7 +56,7 @@ class Outside:
         # triggered, it has the executor look at everything once more
         self._guard = self.node.create_guard_condition(lambda: None)
         self._actions: list[OutsideActionClient | OutsideActionServer] = []
-        # whether a server has discovered the clients of a service; who has the server can tell
+        # whether a server has discovered the clients of a service. Who has the server can tell
         self.is_known: Callable[[str], bool] = lambda service: True
 
     def add_publisher(self, topic: str, type_name: str, qos: Qos | None = None) -> OutsidePublisher:

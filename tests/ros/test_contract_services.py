@@ -234,7 +234,7 @@ async def test_a_service_that_closes_answers_what_has_arrived(robot: Robot) -> N
 
 
 async def answers_while_closing(robot: Robot, client: ServiceClient) -> int:
-    """Close a service at the first of many requests; return how many had arrived."""
+    """Close a service at the first of many requests. Return how many had arrived."""
     requests: list[Request] = []
 
     def on_request(each: Request) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Comparing the samples of two readers; the contract suite tries it with real ones."""
+"""Comparing the samples of two readers. The contract suite tries it with real ones."""
 
 from gateway.ports import Sample
 from gateway.ros import heard_samples

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long ROS has to take types that are made; `test_message_classes.py` tries it with ROS."""
+"""How long ROS has to take types that are made. `test_message_classes.py` tries it with ROS."""
 
 from types import SimpleNamespace
 

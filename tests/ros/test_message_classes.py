@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Classes for types that are not installed; tests/e2e/test_types_not_installed.py uses them."""
+"""Classes for types that are not installed. tests/e2e/test_types_not_installed.py uses them."""
 
 import asyncio
 import os

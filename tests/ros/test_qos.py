@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which profile follows from which offers; no ROS takes part."""
+"""Which profile follows from which offers. No ROS takes part."""
 
 import itertools
 from dataclasses import replace

@@ -48,7 +48,7 @@ class Fed:
         self.then()
 
     async def fill(self) -> None:
-        """Let `WAITING` samples wait; nobody may await before they are looked for."""
+        """Let `WAITING` samples wait. Nobody may await before they are looked for."""
 
         def flows() -> bool:
             self._publish(WAITING)

@@ -95,7 +95,7 @@ def node(context: Context) -> Iterator[Node]:
 
 
 def wait_until(condition: Callable[[], Any], otherwise: str) -> None:
-    """Look until a condition holds; fail with what it means that it does not."""
+    """Look until a condition holds. Fail with what it means that it does not."""
     end = time.monotonic() + TIMEOUT_S
     while not condition():
         assert time.monotonic() < end, f"{RCLPY} has changed: {otherwise}"

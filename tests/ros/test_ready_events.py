@@ -12,7 +12,7 @@ from gateway.ros.ready_events import EventfdReadyEvents, EventfdSource, Unsuppor
 
 
 class Entity:
-    """Stands in for one of rcl's; nothing is hooked."""
+    """Stands in for one of rcl's. Nothing is hooked."""
 
 
 async def test_without_a_function_of_rcl_it_is_unsupported(

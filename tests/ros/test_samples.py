@@ -338,7 +338,7 @@ async def test_a_reader_that_closes_delivers_nothing_that_the_thread_is_taking(
         samples.read(TEXT, "/map", to_profile(adopt(latched, ())), received.extend)
         for _ in range(2)
     )
-    await held.has_begun()  # one of them; the other waits for the thread
+    await held.has_begun()  # one of them. The other waits for the thread
     threading.Timer(0.05, held.let.release, [20]).start()
     first.close()
     second.close()

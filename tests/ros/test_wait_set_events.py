@@ -51,7 +51,7 @@ async def events(node: Node, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[W
 
 
 class Subscription:
-    """A subscription and the calls that say that it is ready; takes nothing by itself."""
+    """A subscription and the calls that say that it is ready. Takes nothing by itself."""
 
     def __init__(self, node: Node, events: WaitSetReadyEvents) -> None:
         self.calls = 0

@@ -49,7 +49,7 @@ class ScriptedNodes:
         self.parameters = Parameters(self.ros, self.types, self.calls)
 
     def offer(self, node: str, service: str, reply: Reply) -> None:
-        """Offer one of the parameter services; where *reply* returns ``None``, it is silent."""
+        """Offer one of the parameter services. Where *reply* returns ``None``, it is silent."""
         type_name = "".join(part.capitalize() for part in service.split("_"))
         type_ = self.types.service(f"rcl_interfaces/srv/{type_name}")
 
@@ -61,7 +61,7 @@ class ScriptedNodes:
         self.ros.add_service(f"{node}/{service}", type_.name, on_request, node=node)
 
     def add(self, node: str, *names: str) -> None:
-        """Add a node with some parameters, all 0.5; like rclcpp it is strict about others."""
+        """Add a node with some parameters, all 0.5. Like rclcpp it is strict about others."""
 
         def of_each(request: Mapping[str, Any], item: Mapping[str, Any]) -> list[Any]:
             return [item for _ in request["names"]] if set(request["names"]) <= set(names) else []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What nodes tell of types; tests/e2e/test_learned_types.py asks real ones."""
+"""What nodes tell of types. tests/e2e/test_learned_types.py asks real ones."""
 
 from typing import Any
 

@@ -27,7 +27,7 @@ def tell(
     texts: Mapping[str, str],
     in_use: Mapping[str, str] | None = None,
 ) -> str:
-    """Learn a type as an honest node tells it; return its hash."""
+    """Learn a type as an honest node tells it. Return its hash."""
     told = {each: parse_definition(each, text) for each, text in texts.items()}
     there = definitions.with_told(told)  # as that node has them
     hashed = computed_type_hash(there.get(name), there)

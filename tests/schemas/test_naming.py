@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from schemas.naming import attribute, constant_attribute
 
-# [a-z](_?[a-z0-9]+)*_? of up to 12 characters; st.from_regex spends seconds on it
+# [a-z](_?[a-z0-9]+)*_? of up to 12 characters. st.from_regex spends seconds on it
 names_of_fields = st.builds(
     lambda first, rest: re.sub("_+", "_", first + rest),
     st.sampled_from(string.ascii_lowercase),

@@ -53,7 +53,7 @@ def noted(monkeypatch, name):
 
 @pytest.fixture
 def robot():
-    """Return map > odom > base_link > laser, of which the latter is fixed; at 1 s and 2 s."""
+    """Return map > odom > base_link > laser, of which the latter is fixed. At 1 s and 2 s."""
     buffer = Buffer()
     for second in (1, 2):
         moved(buffer, "odom", "map", second, 100)
@@ -64,7 +64,7 @@ def robot():
 
 @st.composite
 def trees(draw):
-    """Draw a tree as parents by index, with a transform each; 0 is the root."""
+    """Draw a tree as parents by index, with a transform each. 0 is the root."""
     count = draw(st.integers(2, 12))
     return [
         (draw(st.integers(0, child - 1)), draw(rigids()), draw(st.booleans()))

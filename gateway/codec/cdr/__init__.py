@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """CDR, the wire format of DDS, to values and back: straight-line code, compiled per type.
 
-The format is plain CDR, encoding version 1 (DDS-XTypes 1.3, 7.4.3; what ROS 2 uses): a 4-byte
+The format is plain CDR, encoding version 1 (DDS-XTypes 1.3, 7.4.3, what ROS 2 uses): a 4-byte
 encapsulation header, then every primitive aligned to its size, counted from after the header.
 """
 

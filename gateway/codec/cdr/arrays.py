@@ -45,7 +45,7 @@ def packed(value: object, base: str) -> memoryview:
 
 
 def listed(value: object, base: str) -> list[Any]:
-    """Return them as a list; it raises as `packed` does."""
+    """Return them as a list. It raises as `packed` does."""
     return packed(value, base).tolist()
 
 

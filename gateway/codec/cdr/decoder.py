@@ -81,7 +81,7 @@ def compile_transcoder(
     """Compile a function from CDR, encapsulation header included, to CBOR: a map.
 
     As in rosbridge, octet arrays are byte strings, and all other arrays of numbers are
-    little-endian typed arrays (RFC 8746), short and empty ones too; every float is a float64.
+    little-endian typed arrays (RFC 8746), short and empty ones too. Every float is a float64.
     *fields* and the errors of the function are those of `compile_decoder`.
 
     Raises:
@@ -99,7 +99,7 @@ def compile_for(
     what: str,
     note: str,
 ) -> Callable[..., Any]:
-    """Compile a function for a target; see the functions above."""
+    """Compile a function for a target. See the functions above."""
     paths = tuple(fields or ())
     selection = select(definition, definitions, paths)
     title = f"{what} of {definition.name}"
@@ -137,8 +137,8 @@ def _too_long(path: str, count: int, bound: int, offset: int) -> CodecError:
 class _DecoderWriter(Generic[Value]):
     """Writes the source of one decoder.
 
-    Its variables: ``data`` and its ``size``; ``offset``, the position of the next read;
-    ``length``, the bytes of the run at ``offset``; ``count`` of the next array or string, and its
+    Its variables: ``data`` and its ``size``. ``offset``, the position of the next read.
+    ``length``, the bytes of the run at ``offset``. ``count`` of the next array or string, and its
     ``end``.
     """
 
@@ -152,7 +152,7 @@ class _DecoderWriter(Generic[Value]):
         self._source = SourceCode()
         self._slots: list[Slot] = []
         self._targets: list[str] = []
-        # the float32 of the run: the variable of their bytes; those of each, or none for an array
+        # the float32 of the run: the variable of their bytes. Those of each, or none for an array
         self._floats: list[tuple[str, list[str]]] = []
         self._residue: int | None = 0  # of the offset modulo 8, if known
 
@@ -358,7 +358,7 @@ class _DecoderWriter(Generic[Value]):
                 self._source.line(f"raise too_long({name!r}, {count}, {bound}, offset - 4)")
 
     def _align(self, alignment: int, *, is_counted: bool) -> None:
-        """Align the offset for an array of primitives; after a count it is a multiple of 4."""
+        """Align the offset for an array of primitives. After a count it is a multiple of 4."""
         if alignment <= (4 if is_counted else 1):
             return
         if is_counted:

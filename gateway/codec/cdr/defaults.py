@@ -24,7 +24,7 @@ def default_value(member: Fixed | Numbers | Text) -> Any:
 
 
 def default_elements(member: Elements) -> list[Any]:
-    """Return the elements of an array that is left out; an empty message is ``{}``."""
+    """Return the elements of an array that is left out. An empty message is ``{}``."""
     if isinstance(member.default, tuple):
         return list(member.default)
     return [{} if member.definition else ""] * (member.length or 0)

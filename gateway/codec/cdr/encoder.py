@@ -48,7 +48,7 @@ from schemas.json_forms import FORMS, NON_FINITE, Clock, octets, whole, wholes
 
 Encoder: TypeAlias = Callable[[object, Clock], bytes]
 
-_CDR_LE: Final = b"\0\1\0\0"  # RTPS 2.5, 10.2; the options stay 0
+_CDR_LE: Final = b"\0\1\0\0"  # RTPS 2.5, 10.2. The options stay 0
 
 
 def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -> Encoder:
@@ -57,7 +57,7 @@ def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -
     It takes what `schemas.message.Message` describes, and the ROS time for ``"now"`` and for
     headers without a stamp. For a float it takes what `NON_FINITE` names, too, for an integer a
     float that is one (`whole`). Padding is zero. A value that does not fit raises one of `MISFITS`,
-    without saying where; `gateway.codec.validation` does.
+    without saying where. `gateway.codec.validation` does.
 
     It raises `TooManyFieldsError` for a message beyond the bounds of `gateway.codec.cdr.bounds`.
 
@@ -283,7 +283,7 @@ class _EncoderWriter:
         return f"{self._object(path[:-1])}.get({path[-1]!r}, {default})"
 
     def _object(self, path: Path) -> str:
-        """Return the variable of the message at *path*; the first call assigns it."""
+        """Return the variable of the message at *path*. The first call assigns it."""
         if path not in self._objects:
             outer, key = self._object(path[:-1]), repr(path[-1])
             definition = self._definitions.get(self._type_of(path))

@@ -10,7 +10,7 @@ from gateway.codec.cdr.selection import Selection
 from schemas.definition import OCTETS, STRINGS, Definition, Field, Value
 from schemas.installed import InstalledDefinitions
 
-HEADER_BYTES: Final = 4  # the encapsulation header; offsets count from its start
+HEADER_BYTES: Final = 4  # the encapsulation header. Offsets count from its start
 ALIGNMENTS: Final = 8  # no primitive is aligned to more than 8 bytes
 # From about this many on, a numpy view and its JSON take less time than as many Python
 # numbers (measured: 20 to 24 for each of the types).
@@ -41,7 +41,7 @@ CODES: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Fixed:
-    """A primitive or a short fixed array of them; its size is known, so neighbours share a run."""
+    """A primitive or a short fixed array of them. Its size is known, so neighbours share a run."""
 
     path: Path
     base: str
@@ -68,7 +68,7 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Numbers:
-    """A sequence of primitives: uint32 count, then the elements; or a long fixed array."""
+    """A sequence of primitives: uint32 count, then the elements, or a long fixed array."""
 
     path: Path
     base: str
@@ -93,8 +93,8 @@ class Elements:
     """An array of strings or messages: uint32 count unless fixed, then each element."""
 
     path: Path
-    members: tuple["Member", ...]  # of one element; their paths begin with the array's own
-    definition: Definition | None  # of an element; None if it is a string
+    members: tuple["Member", ...]  # of one element. Their paths begin with the array's own
+    definition: Definition | None  # of an element. None if it is a string
     selection: Selection  # of an element
     length: int | None
     bound: int | None
@@ -116,7 +116,7 @@ def flatten(
 
 
 def item_path(path: Path) -> Path:
-    """Return the path of one element of an array; no field has such a name."""
+    """Return the path of one element of an array. No field has such a name."""
     return (*path, "0")
 
 
@@ -239,7 +239,7 @@ class Run:
         return [self.at(residue) for residue in range(ALIGNMENTS)]
 
     def residue_after(self, residue: int | None) -> int | None:
-        """Return the residue behind the run; None if it depends on where the run begins."""
+        """Return the residue behind the run. None if it depends on where the run begins."""
         starts = range(ALIGNMENTS) if residue is None else [residue]
         ends = {(start + self.at(start).size) % ALIGNMENTS for start in starts}
         return ends.pop() if len(ends) == 1 else None

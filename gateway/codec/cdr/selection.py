@@ -8,14 +8,14 @@ from gateway.codec.errors import FieldError
 from schemas.definition import Definition, Field
 from schemas.installed import InstalledDefinitions
 
-# The selected fields by name, each with the selection within it; None selects everything.
+# The selected fields by name, each with the selection within it. None selects everything.
 Selection: TypeAlias = "dict[str, Selection] | None"
 
 
 def select(
     definition: Definition, definitions: InstalledDefinitions, fields: Iterable[str]
 ) -> Selection:
-    """Turn dotted paths such as ``pose.pose.position`` into a tree; no path means everything.
+    """Turn dotted paths such as ``pose.pose.position`` into a tree. No path means everything.
 
     A path through an array of messages applies to each of its elements.
 

@@ -38,7 +38,7 @@ def compile_sliced_transcoder(
 ) -> SlicedTranscoder:
     """Compile a transcoder for large messages, as such a generator.
 
-    It returns the item in pieces; large arrays are not copied.
+    It returns the item in pieces. Large arrays are not copied.
 
     Raises:
         FieldError: a name in *fields* is not a field.

@@ -25,12 +25,12 @@ class JsonElements(WrittenArray):
         self._opening = b"["
 
     def add(self, element: object) -> bool:
-        """Take one; return whether it is time to write."""
+        """Take one. Return whether it is time to write."""
         self._few.append(element)
         return len(self._few) >= CHUNK_ELEMENTS
 
     def take(self, elements: Iterator[object]) -> Generator[bytes, None, Self]:
-        """Take and write all of them; pause now and then, and return this."""
+        """Take and write all of them. Pause now and then, and return this."""
         while few := list(islice(elements, CHUNK_ELEMENTS)):
             self._few = few
             yield from self.write()
@@ -60,12 +60,12 @@ class CborElements:
         self._few: list[bytes] = []
 
     def add(self, element: bytes) -> bool:
-        """Take one; return whether it is time to write."""
+        """Take one. Return whether it is time to write."""
         self._few.append(element)
         return len(self._few) >= CHUNK_ELEMENTS
 
     def take(self, elements: Iterator[bytes]) -> Generator[bytes, None, Self]:
-        """Take and write all of them; pause now and then, and return this."""
+        """Take and write all of them. Pause now and then, and return this."""
         while few := list(islice(elements, CHUNK_ELEMENTS)):
             self._few = few
             yield from self.write()

@@ -42,7 +42,7 @@ class SourceCode:
         return name
 
     def compile(self, function: str, title: str, names: Mapping[str, object]) -> Callable[..., Any]:
-        """Compile the lines, which define *function*; *names* are its further globals.
+        """Compile the lines, which define *function*. *names* are its further globals.
 
         Tracebacks show the source as long as the function exists.
         """

@@ -21,10 +21,10 @@ Value = TypeVar("Value")
 
 
 class Target(Protocol[Value]):
-    """Writes the source that makes output of the fields read; a *Value* stands for one field.
+    """Writes the source that makes output of the fields read. A *Value* stands for one field.
 
     Source that reads arrays may use the decoder's variables ``data``, ``offset``, ``end`` and
-    ``count``; source that builds values only those of the fields.
+    ``count``. Source that builds values only those of the fields.
     """
 
     @property

@@ -7,7 +7,7 @@ from gateway.codec.cdr.layout import ByteOrder
 
 
 def to_cdr(text: str, *, is_wide: bool) -> tuple[int, bytes]:
-    """Return the count that precedes a string, and its octets; only a narrow one ends with NUL."""
+    """Return the count that precedes a string, and its octets. Only a narrow one ends with NUL."""
     octets = wide(text) if is_wide else text.encode() + b"\0"
     return len(octets) // (4 if is_wide else 1), octets
 

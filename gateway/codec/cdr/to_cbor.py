@@ -123,7 +123,7 @@ class SlicedCbor(Cbor):
     }
 
     def value(self, kind: FieldType, name: str) -> Pieces:
-        """Make the item of one field; one of many elements stays in pieces."""
+        """Make the item of one field. One of many elements stays in pieces."""
         if kind.is_array and kind.base not in _NUMBERS:
             return (Piece(f"head({cbor.ARRAY}, {name}.count)"), Piece(f"*{name}.parts"))
         return super().value(kind, name)
@@ -156,7 +156,7 @@ def _number(base: str, name: str) -> Pieces:
     width = {"b": 24, "h": 25, "i": 26, "q": 27}[code.lower()]
     if code.isupper():
         return (Piece(bytes((cbor.UNSIGNED | width,))), Piece(name, code))
-    # a negative number is written as its complement; >> 63 is 0 or -1
+    # a negative number is written as its complement. >> 63 is 0 or -1
     kind = Piece(f"{width} | {name} >> 63 & {cbor.NEGATIVE}", "B")
     return (kind, Piece(f"{name} ^ {name} >> 63", code.upper()))
 

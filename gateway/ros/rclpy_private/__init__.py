@@ -26,7 +26,7 @@ context managers they keep rcl's object alive, and ``pointer`` is its address in
     Warns with the text `RESPONSE_TIMED_OUT` where rmw has waited for the client in vain.
 ``rclpy.impl.implementation_singleton.rclpy_implementation.EventHandle(handle, kind)``
     With ``take_event()``, which returns what rcl has counted, and the change since the last call,
-    and ``destroy_when_not_in_use()``; raises ``UnsupportedEventTypeError`` where the middleware
+    and ``destroy_when_not_in_use()``. Raises ``UnsupportedEventTypeError`` where the middleware
     lacks a kind. rclpy's own way needs an executor. Without it: nobody hears of missed deadlines
     and lost messages (`gateway.ros.qos_events`), and a robot that joins while somebody drives is
     noticed a little later.
@@ -35,12 +35,12 @@ context managers they keep rcl's object alive, and ``pointer`` is its address in
 ``RCLError`` and ``InvalidHandle`` are RuntimeErrors
     Handles raise them. Otherwise they pass for errors of the gateway (see `gateway.ros.errors`).
 
-Functions of ``librcl.so``, by ctypes; each takes the address of an entity:
+Functions of ``librcl.so``, by ctypes. Each takes the address of an entity:
 
 ``rcl_subscription_set_on_new_message_callback``, ``rcl_client_set_on_new_response_callback``,
 ``rcl_service_set_on_new_request_callback``
     Take ``(entity, callback, user_data)`` and call ``callback(user_data, count)`` on a thread of
-    DDS; since Humble. Without one of them, or where the middleware does not support them:
+    DDS. Since Humble. Without one of them, or where the middleware does not support them:
     `gateway.ros.wait_set_events.WaitSetReadyEvents`.
 ``rcl_take_serialized_message``
     Takes ``(subscription, rcl_serialized_message_t, rmw_message_info_t, NULL)`` and returns 0, or
@@ -52,7 +52,7 @@ Functions of ``librcl.so``, by ctypes; each takes the address of an entity:
     Without one of them: `gateway.ros.graph.GraphChanges` looks twice a second.
 
 Wait sets: ``rclpy.impl.implementation_singleton.rclpy_implementation.WaitSet``, with six counts and
-a context; ``clear_entities``, ``add_guard_condition``, ``pointer``, ``wait`` and
+a context. ``clear_entities``, ``add_guard_condition``, ``pointer``, ``wait`` and
 ``destroy_when_not_in_use``. With them ``GuardCondition.handle``, ``Node.handle`` and
 ``Context.handle``. Without them: as without ``rcl_wait_set_add_guard_condition``.
 ``add_subscription``, ``add_client``, ``add_service``, which return a number, ``is_ready(kind,

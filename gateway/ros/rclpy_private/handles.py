@@ -141,7 +141,7 @@ def _event_count(
 
 
 def events_executor(context: Context) -> Executor | None:
-    """Return an executor that wakes only for what is ready; ``None`` before Jazzy.
+    """Return an executor that wakes only for what is ready. ``None`` before Jazzy.
 
     Spin it with `SPIN_S`.
     """

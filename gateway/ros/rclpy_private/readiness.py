@@ -52,7 +52,7 @@ class ReadyCallbacks:
         self._call(kind, entity, self._write, fd)
 
     def stop(self, kind: Kind, entity: Any) -> None:
-        """Stop counting; once this returns no thread writes the eventfd any more."""
+        """Stop counting. Once this returns no thread writes the eventfd any more."""
         self._call(kind, entity, None, None)
 
     def _call(self, kind: Kind, entity: Any, function: object, user_data: int | None) -> None:
@@ -88,7 +88,7 @@ class GraphWaitSet:
         return cls(node, condition, add) if condition else None
 
     def wake(self) -> None:
-        """End the wait that is going on, or the next one; from any thread."""
+        """End the wait that is going on, or the next one. From any thread."""
         self._wake.trigger()
 
     def close(self) -> None:
@@ -97,7 +97,7 @@ class GraphWaitSet:
 
     @contextlib.contextmanager
     def opened(self) -> Iterator[Callable[..., None]]:
-        """Yield a function that waits for a change; its default is without time limit."""
+        """Yield a function that waits for a change. Its default is without time limit."""
         wake = handle_of(self._wake)
         with self._node, self._context, wake:
             wait_set = rclpy_implementation.WaitSet(0, 2, 0, 0, 0, 0, self._context)
@@ -123,7 +123,7 @@ class EntityWaitSet:
         self._wake = GuardCondition(_nothing, None, context=context)
 
     def wake(self) -> None:
-        """End the wait that is going on, or the next one; from any thread."""
+        """End the wait that is going on, or the next one. From any thread."""
         self._wake.trigger()
 
     def close(self) -> None:
@@ -131,7 +131,7 @@ class EntityWaitSet:
         self._wake.destroy()
 
     def wait(self, entities: Sequence[tuple[Kind, Any]]) -> Sequence[int]:
-        """Wait until some are ready, or for `wake`; return the indices of those that are ready.
+        """Wait until some are ready, or for `wake`. Return the indices of those that are ready.
 
         What is destroyed by another thread is left out, or destroyed once the wait has ended.
         """

@@ -47,7 +47,7 @@ def samples(name, longest=4):
 
 
 def to_rosbags(store, name, values):
-    """Build a message of rosbags; it wants numpy arrays for numbers, lists for the rest."""
+    """Build a message of rosbags. It wants numpy arrays for numbers, lists for the rest."""
     arguments = {}
     for field in DEFINITIONS.get(name).fields:
         kind = field.type

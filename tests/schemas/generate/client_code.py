@@ -97,7 +97,7 @@ def names_of_messages(definitions):
 
 
 def write_texts(folder, texts):
-    """Write texts by path below a folder; return the paths."""
+    """Write texts by path below a folder. Return the paths."""
     paths = []
     for path, text in texts.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)

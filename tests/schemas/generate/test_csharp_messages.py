@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The text of the C# messages; that it compiles and does what it should is tested with Mono."""
+"""The text of the C# messages. That it compiles and does what it should is tested with Mono."""
 
 import re
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The text of the TypeScript interfaces; that it compiles and fits is tested with tsc."""
+"""The text of the TypeScript interfaces. That it compiles and fits is tested with tsc."""
 
 import pytest
 
