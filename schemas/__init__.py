@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The message table, the files generated from it, and the definitions that they come from."""
+"""The list of message types, the files generated from it, and the definitions behind them."""

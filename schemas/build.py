@@ -19,7 +19,7 @@ class Models:
     """The models of the types in some definitions, built on first use.
 
     A checked-in model is used if its type hash is that of the installed definition, so a robot
-    whose fields differ from ours gets models of its own definitions. REP-2011 hashes neither
+    whose fields differ from ours gets models of its definitions. REP-2011 hashes neither
     defaults nor constants: if only these differ, ours are used. Not safe across threads.
     """
 

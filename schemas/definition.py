@@ -208,9 +208,9 @@ def parse_definition(
 
 
 def _declarations(text: str, first_line: int) -> Iterator[tuple[int, list[list[str]], str, str]]:
-    """Yield line number, blocks of comments above, declaration, comment beside it.
+    """Yield line number, blocks of comments above, declaration, comment next to it.
 
-    A comment beside a declaration continues in the indented comment lines right below it. The
+    A comment next to a declaration continues in the indented comment lines right below it. The
     last item is an empty declaration with the comments after the last one.
     """
     blocks: list[list[str]] = [[]]
@@ -289,7 +289,7 @@ def parse_field_type(text: str, package: str) -> FieldType:
     """
     match = _TYPE.fullmatch(text)
     if match is None:
-        raise ValueError(f"{text!r} is no type")
+        raise ValueError(f"{text!r} is not a valid type")
     base = _ALIASES.get(match["base"], match["base"])
     if base not in PRIMITIVES:
         base = _qualified(base, package)
@@ -317,7 +317,7 @@ def _qualified(name: str, package: str) -> str:
             return f"{other}/msg/{short}"
         case [_, _, _]:
             return name
-    raise ValueError(f"{name!r} is no type name")
+    raise ValueError(f"{name!r} is not a valid type name")
 
 
 def _parse_value(field_type: FieldType, text: str) -> Value:
@@ -335,7 +335,7 @@ def _parse_value(field_type: FieldType, text: str) -> Value:
 
 
 def text_misfit(text: str, kind: FieldType) -> str | None:
-    """Return in words why a text is no value of a string type, ``None`` if it is one."""
+    """Return the reason why a text is not a value of a string type, ``None`` if it is one."""
     if "\0" in text:
         return "a string cannot hold U+0000"
     encoding, unit, units = _UNITS[kind.base]
@@ -396,7 +396,7 @@ def _parse_scalar(base: str, text: str) -> Scalar:
     value = _parse_integer(text)
     low, high = INTEGER_RANGES[base]
     if not low <= value <= high:
-        raise ValueError(f"{value} is no {base}")
+        raise ValueError(f"{value} is not of type {base}")
     return value
 
 

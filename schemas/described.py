@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The definitions in a node's answer about a type, as type_description_interfaces has it.
 
-A description has all that a type's hash covers (REP-2011). The texts beside it, which the node was
-built from, have comments and constants, too. Who reads them compares the hash: a node can say
+A description has all that a type's hash covers (REP-2011). The source texts, which the node was
+built from, also have comments and constants. A reader must compare the hash, because a node can say
 anything.
 """
 

@@ -22,7 +22,7 @@ MAX_FOLDERS: Final = 20_000  # half a second. A home directory has more
 _PACKAGE: Final = re.compile(r"[a-z][a-z0-9_]*")
 _TYPE: Final = re.compile(r"[A-Z][A-Za-z0-9]*")
 _NAME_IN_XML: Final = re.compile(rb"<name>\s*([a-z][a-z0-9_]*)\s*</name>")
-_ROS_1: Final = "ros1"  # beside ``ros2/`` in a package for both
+_ROS_1: Final = "ros1"  # next to ``ros2/`` in a package for both
 _MAX_XML_BYTES: Final = 64 * 1024
 _IGNORED: Final = frozenset({"COLCON_IGNORE", "AMENT_IGNORE"})  # colcon's marks in its own folders
 
@@ -50,7 +50,7 @@ def find_definitions(folder: Path) -> Iterator[Found]:
         OSError: the folder cannot be read, or is a file.
         TooManyFoldersError: it has too many below it.
     """
-    os.scandir(folder).close()  # `os.walk` is silent about the first one, too
+    os.scandir(folder).close()  # `os.walk` is also silent about the first one
     seen: set[tuple[int, int]] = set()  # links may lead round in a circle
     places: dict[Path, _Place] = {}
     elsewhere: list[Found] = []

@@ -2,8 +2,8 @@
 """Definitions written in OMG IDL 4.2, as ROS packages may do instead of `.msg` files.
 
 The grammar is the part of the standard (https://www.omg.org/spec/IDL/4.2) that rosidl reads:
-modules, structs, typedefs, and constants in a module ``Name_Constants``. Where rosidl understands
-something otherwise than the standard, this does as rosidl, which makes what is on the wire.
+modules, structs, typedefs, and constants in a module ``Name_Constants``. If rosidl
+differs from the standard, this does as rosidl, which makes the code for the wire.
 """
 
 from collections.abc import Iterator, Mapping
@@ -195,7 +195,7 @@ class _Parser(IdlReader):
         base = self._type()
         for name, kind in self._declarators(base):
             if not FIELD_NAME.fullmatch(name.text):
-                raise PlaceError(name.offset, f"{name} is no name of a field in ROS; rename it")
+                raise PlaceError(name.offset, f"{name} is not a valid field name in ROS; rename it")
             default = annotations.default(kind)
             yield name, Field(name.text, kind, default, annotations.comment, annotations.is_key)
         self.expect(";")
@@ -209,7 +209,7 @@ class _Parser(IdlReader):
             )
         name = self.name("the name of a constant")
         if not CONSTANT_NAME.fullmatch(name.text):
-            raise PlaceError(name.offset, f"{name} is no name of a constant in ROS; rename it")
+            raise PlaceError(name.offset, f"{name} is not a valid constant name in ROS; rename it")
         self.expect("=")
         value = fitting(kind, *self.literal())
         module = self._constants.setdefault(self._modules[-1] if self._modules else "", {})

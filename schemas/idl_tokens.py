@@ -30,10 +30,10 @@ _TOKEN: Final = re.compile(
     """,
     re.ASCII | re.VERBOSE,
 )
-# a decimal, an octal and a hexadecimal integer. A float, or a fixed-point number with its d
+# an integer (hexadecimal, octal, decimal), and a float or a fixed-point number with its d
 _INTEGER: Final = re.compile(r"0[xX](?P<hexadecimal>[0-9a-fA-F]+)|0(?P<octal>[0-7]+)|0|[1-9]\d*")
 _FLOAT: Final = re.compile(r"(?P<value>(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)[dD]?", re.ASCII)
-# Table 7-9 of the standard, but for \?, of which rosidl keeps both characters
+# Table 7-9 of the standard, except \?, of which rosidl keeps both characters
 _ESCAPE: Final = re.compile(r"""\\(?:[ntvbrfa\\'"]|[0-3][0-7]{2}|[0-7]{1,2}|x[0-9a-fA-F]{1,2})""")
 _WIDE_ESCAPE: Final = re.compile(rf"{_ESCAPE.pattern}|\\u[0-9a-fA-F]{{1,4}}")
 _ESCAPED_TWICE: Final = re.compile(r"""\\(["\\])""")

@@ -89,8 +89,8 @@ class InstalledDefinitions:
     """The definitions below some prefixes, read on first use and then kept.
 
     An earlier prefix hides a later one, like an overlay in ROS. A package may have its definitions
-    as `.idl` files alone. What no prefix has may be in one of *folders*, which are searched at
-    once. See `schemas.folders.find_definitions` for that, and for what it raises.
+    as `.idl` files alone. Types that no prefix has may be in one of *folders*, which are searched
+    at once. See `schemas.folders.find_definitions` for the search and its exceptions.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class InstalledDefinitions:
         return name in self._installed
 
     def with_told(self, told: Mapping[str, Definition]) -> "InstalledDefinitions":
-        """Return a copy that has these definitions, too."""
+        """Return a copy that also has these definitions."""
         other = copy.copy(self)
         other._told = {**self._told, **told}  # noqa: SLF001  # its own
         other._known = {name: each for name, each in self._known.items() if name not in told}  # noqa: SLF001
@@ -270,10 +270,12 @@ class InstalledDefinitions:
         parts = None if match is None else _PARTS.get(match["kind"])
         if match is not None and parts is not None and parts.fullmatch(name, match.end("file")):
             return derive(self.interface(match["file"]))[name]
-        raise UnknownTypeError(name, f"{name!r} is no message type name: expected pkg/msg/Name")
+        raise UnknownTypeError(
+            name, f"{name!r} is not a valid message type name: expected pkg/msg/Name"
+        )
 
     def _find(self, name: str) -> "_Found":
-        """Read the file of ``pkg/KIND/Name``, and the hashes beside it."""
+        """Read the file of ``pkg/KIND/Name``, and the hashes next to it."""
         try:
             path, is_installed = self._place(name)
             if path.stat().st_size > MAX_DEFINITION_BYTES:
@@ -281,7 +283,7 @@ class InstalledDefinitions:
                 raise UnknownTypeError(name, reason)
             # invalid UTF-8 is in comments, where it is harmless
             text = path.read_text(encoding="utf-8", errors="replace")
-            # of what somebody may edit, the hash is computed
+            # the hash of a file that a user may edit is computed
             hashes = _type_hashes(path.with_suffix(".json")) if is_installed else {}
             return _Found(text, path.suffix[1:] == _IDL, hashes)
         except OSError as error:  # a name longer than any file's, a file that is not ours
@@ -304,7 +306,7 @@ class InstalledDefinitions:
     def _installed_place(self, name: str) -> Path | None:
         package, kind, short_name = name.split("/")
         for prefix in self._prefixes:
-            # rosidl writes IDL beside each .msg file, which has the comments as they were written
+            # rosidl writes IDL next to each .msg file, which has the comments as they were written
             for suffix in (kind, _IDL):
                 path = prefix / "share" / package / kind / f"{short_name}.{suffix}"
                 if path.is_file():
@@ -354,7 +356,7 @@ def _values_of(type_: FieldType, nested: Mapping[str, _Size]) -> int:
 def _roles_of(interface: str, kind: InterfaceKind | None = None) -> tuple[Role, ...]:
     roles = _roles_in(interface)
     if not roles or (kind is not None and roles != ROLES[kind]):
-        raise UnknownTypeError(interface, f"{interface!r} is no {_EXPECTED[kind]}")
+        raise UnknownTypeError(interface, f"{interface!r} is not a valid {_EXPECTED[kind]}")
     return roles
 
 
@@ -370,7 +372,7 @@ def _joined(found: tuple[str, str] | None, kind: Kind) -> str | None:
 
 
 def _type_hashes(path: Path) -> dict[str, str]:
-    """Read the REP-2011 hashes beside a definition.
+    """Read the REP-2011 hashes next to a definition.
 
     ROS before Iron has no such file, and a file of that name may be something else: then return no
     hashes.

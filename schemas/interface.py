@@ -55,7 +55,7 @@ def parse_interface(name: str, text: str, hashes: Mapping[str, str] | None = Non
     """
     known = hashes or {}
     lines = text.splitlines()
-    # As in rosidl, a separator has no blank beside it.
+    # As in rosidl, a separator has no blank next to it.
     ends = [number for number, line in enumerate(lines) if line == SEPARATOR]
     roles = ROLES[name.split("/")[1]]
     if len(ends) != len(roles) - 1:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The forms in which JSON may hold octets, times and headers, beside the plain one.
+"""The forms in which JSON may hold octets, times and headers, in addition to the plain one.
 
 Functions that turn them into the plain form. A value that has no such form comes back unchanged,
 for its reader to refuse.
@@ -28,12 +28,12 @@ NON_FINITE: Final[Mapping[object, float]] = {
     "Infinity": math.inf,
     "-Infinity": -math.inf,
 }
-"""The forms of floats that are no numbers in JSON."""
+"""The forms of floats that JSON has no numbers for."""
 
 # Up to here every integer is a float. Beyond, one float stands for several.
 MAX_WHOLE: Final = 2**53
 
-_NO_OCTET: Final = "item {} is no integer from 0 to 255"
+_NO_OCTET: Final = "item {} is not an integer from 0 to 255"
 _ROS1_NAMES: Final = {"secs": "sec", "nsecs": "nanosec"}
 
 
@@ -55,7 +55,7 @@ class OctetsError(ValueError):
 
 
 class _ItemError(OctetsError):
-    """One of the items is no octet. Which one is sought when somebody wants to read it."""
+    """One of the items is not an octet. The text finds it when it is read."""
 
     def __init__(self, items: list[object]) -> None:
         self._items = items
@@ -85,7 +85,7 @@ def wholes(values: list[Any]) -> list[Any]:
 
 
 def first_fraction(values: list[Any]) -> int | None:
-    """Return the index of the first float that is no integer for sure, if there is one.
+    """Return the index of the first float that may not be an integer, if there is one.
 
     Among 100,000 numbers of a client numpy finds it in the time of 20,000 tests.
     """
@@ -163,7 +163,7 @@ FORMS: Final[Mapping[str, Callable[[object, Clock], object]]] = {
     "builtin_interfaces/msg/Time": time,
     "std_msgs/msg/Header": header,
 }
-"""The types with forms of their own, by name."""
+"""The types that have special forms, by name."""
 
 
 def _octets_of_text(text: str) -> bytes:
@@ -211,7 +211,7 @@ def _octets_of_numbers(items: list[Any]) -> bytes | None:
 
 
 def _first_misfit(items: list[object]) -> int:
-    """Return the index of the first item that is no octet.
+    """Return the index of the first item that is not an octet.
 
     A client may send 100,000 with the last one wrong: halving looks at twice as many, but calls
     nothing for each.

@@ -13,8 +13,8 @@ from schemas.installed import (
 )
 from schemas.type_hash import computed_type_hash
 
-MAX_TOLD_CHARACTERS: Final = 16 * 1024 * 1024  # of all texts. Those of a robot have some 100,000
-_SHOWN: Final = 100  # characters of a name that somebody else wrote
+MAX_TOLD_CHARACTERS: Final = 16 * 1024 * 1024  # of all texts. Those of a robot have about 100,000
+_SHOWN: Final = 100  # characters of a name that a node sent
 
 
 def learn(
@@ -27,7 +27,7 @@ def learn(
     """Add the definition of a type to *definitions*, and those of the types that it nests.
 
     Installed packages keep theirs. *told* is as `described_definitions` returns it, *type_hash*
-    that of the type in the ROS graph, *in_use* has the hashes of types that have to stay as they
+    that of the type in the ROS graph. *in_use* has the hashes of types that have to stay as they
     are.
 
     Raises:
@@ -36,7 +36,7 @@ def learn(
     """
     for each in told:
         if not is_message_name(each):
-            raise DefinitionError(f"{each[:_SHOWN]!r} is no message type name")
+            raise DefinitionError(f"{each[:_SHOWN]!r} is not a valid message type name")
     offered = {each: told[each] for each in told if not definitions.is_installed(each)}
     trial = definitions.with_told(offered)
     closure = trial.closure([name])
@@ -86,4 +86,4 @@ def _check_room(told: Mapping[str, Definition]) -> None:
     size = sum(len(each.text) for each in told.values())
     if len(told) > MAX_TOLD or size > MAX_TOLD_CHARACTERS:
         text = f"at most {MAX_TOLD} definitions of nodes, {MAX_TOLD_CHARACTERS} characters in all"
-        raise DefinitionError(f"{text}; start the gateway anew")
+        raise DefinitionError(f"{text}; restart the gateway")

@@ -210,7 +210,7 @@ def fresh(values: Iterable[_T]) -> Callable[[], list[_T]]:
 
 
 class DurationMessage(Message):
-    """The base of builtin_interfaces/msg/Duration, which takes the names of ROS 1, too."""
+    """The base of builtin_interfaces/msg/Duration, which also takes the names of ROS 1."""
 
     @model_validator(mode="before")
     @classmethod
@@ -219,7 +219,7 @@ class DurationMessage(Message):
 
 
 class TimeMessage(Message):
-    """The base of builtin_interfaces/msg/Time: it takes the names of ROS 1 and ``"now"``, too."""
+    """The base of builtin_interfaces/msg/Time: it also takes the names of ROS 1 and ``"now"``."""
 
     @model_validator(mode="before")
     @classmethod

@@ -5,7 +5,7 @@ import keyword
 from typing import Final
 
 # Public attributes of pydantic.BaseModel. Listed here, so that generated code does not depend on
-# the installed pydantic. Names that begin with "model_" have a rule of their own.
+# the installed pydantic. Names that begin with "model_" have a separate rule.
 _BASE_MODEL: Final = frozenset(
     {
         "construct",
@@ -50,7 +50,7 @@ def attribute(field_name: str) -> str:
     class (``copy``, ``model_...``), or by classes and constants, which begin with a capital.
     Different fields always get different attributes.
     """
-    bare = field_name.rstrip("_")  # "from_" must make room for the "from" beside it
+    bare = field_name.rstrip("_")  # "from_" must make room for a "from"
     if bare in _TAKEN or bare.startswith("model_") or field_name[0].isupper():
         return f"{field_name}_"
     return field_name

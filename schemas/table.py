@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The message table: types with their number, their direction and their purpose.
+"""The list of message types: their number, their direction and their purpose.
 
 It also lists the services and actions that have models in this package, without numbers.
 """
@@ -24,7 +24,7 @@ _TYPE_SPELLING: Final = re.compile(
 _INTERFACE_SPELLING: Final = re.compile(
     r"(?P<package>[a-z][a-z0-9_]*)/(?:(?P<kind>srv|action)/)?(?P<name>[A-Z][A-Za-z0-9]*)"
 )
-# what rosidl derives for topics: of an action its feedback, of any service what it was asked
+# types that rosidl derives for topics: the feedback of an action, the events of a service
 _DERIVED_SPELLING: Final = re.compile(
     r"[a-z][a-z0-9_]*/(?:action/[A-Z][A-Za-z0-9]*_(?:FeedbackMessage|(?:SendGoal|GetResult)_Event)"
     r"|srv/[A-Z][A-Za-z0-9]*_Event)"
@@ -38,7 +38,7 @@ _R = TypeVar("_R", bound=BaseModel)
 
 
 class TableError(ValueError):
-    """A message table cannot be used. The text names the file and the reason."""
+    """A list of message types cannot be used. The text names the file and the reason."""
 
 
 class TypeNameError(ValueError):
@@ -161,7 +161,8 @@ def resolve_type(requested: str | int, table: Table) -> str:
             return requested
     _refuse_other_kind(requested, "msg")
     raise TypeNameError(
-        f"{requested!r} is no message type: expected pkg/msg/Name, pkg/Name or a table number",
+        f"{requested!r} is not a valid message type: expected pkg/msg/Name, pkg/Name or a table"
+        " number",
         requested if isinstance(requested, str) else "",
     )
 
@@ -179,7 +180,7 @@ def resolve_interface(requested: str, kind: InterfaceKind) -> str:
         _refuse_other_kind(requested, kind)
         called = "service" if kind == "srv" else "action"
         raise TypeNameError(
-            f"{requested!r} is no {called} type: expected pkg/{kind}/Name or pkg/Name",
+            f"{requested!r} is not a valid {called} type: expected pkg/{kind}/Name or pkg/Name",
             requested,
             kind,
         )
@@ -200,7 +201,7 @@ def resolve_any(requested: str | int, table: Table, known: Container[str]) -> st
             return resolve_interface(text, kind)
     if not (_NUMBER.fullmatch(text) or _TYPE_SPELLING.fullmatch(text)):
         forms = "pkg/msg/Name, pkg/srv/Name, pkg/action/Name, pkg/Name or a table number"
-        raise TypeNameError(f"{requested!r} is no type: expected {forms}", text)
+        raise TypeNameError(f"{requested!r} is not a valid type: expected {forms}", text)
     message = resolve_type(requested, table)
     if message in known or not _INTERFACE_SPELLING.fullmatch(text):
         return message
@@ -209,7 +210,7 @@ def resolve_any(requested: str | int, table: Table, known: Container[str]) -> st
 
 
 def _refuse_other_kind(requested: str | int, kind: str) -> None:
-    """Refuse the name of a type of another kind in words of its own."""
+    """Refuse the name of a type of another kind with a specific text."""
     match = _ANY_SPELLING.fullmatch(requested) if isinstance(requested, str) else None
     if match is not None and match["kind"] != kind:
         raise TypeNameError(f"{requested!r} is {_A[match['kind']]} type, not {_A[kind]} type")

@@ -45,7 +45,7 @@ PLACEHOLDER: Final = Field("structure_needs_at_least_one_member", FieldType("uin
 
 
 class Definitions(Protocol):
-    """Whatever knows the types that a definition nests."""
+    """An object that knows the types that a definition nests."""
 
     def closure(self, names: Iterable[str]) -> list[Definition]:
         """Return the definitions of *names* and of all nested types."""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """CBOR in (RFC 8949), from clients that may send anything: what JSON can say, and octets.
 
-Written for what it refuses. A frame of a kilobyte can state arrays of 2**64 elements, share parts,
-nest for ever or be a date or a regular expression to a reader that knows all of CBOR. Here each
-item costs about as much as it has bytes, and all of them are counted.
+Written for what it refuses. To a reader that knows all of CBOR, a frame of a kilobyte can state
+arrays of 2**64 elements, share parts, nest forever, or be a regular expression. Here each item
+costs about as much as it has bytes, and all of them are counted.
 """
 
 from collections.abc import Mapping
@@ -25,7 +25,7 @@ MAX_SINGLE_ITEMS: Final = 15_000
 MAX_LISTED: Final = 10_000
 
 _TAG: Final = 0xC0
-_TAG_ITEMS: Final = 3  # a typed array takes as long as so many items, beside its tag and its bytes
+_TAG_ITEMS: Final = 3  # a typed array takes as long as so many items, without its tag and its bytes
 _MIN_INTEGER: Final = -(2**63)
 _OCTET_TAGS: Final = frozenset({64, 68})  # RFC 8746: uint8, and uint8 that was clamped
 _SIMPLE_MAJOR: Final = 7
@@ -141,7 +141,7 @@ class _Reader:
         for _ in range(length):
             name = self.item()
             if type(name) is not str:
-                self._refuse("a key that is no text")
+                self._refuse("a key that is not text")
             if name in members:
                 self._refuse("a key twice in one map")
             members[name] = self.item()
@@ -154,7 +154,7 @@ class _Reader:
             self._refuse(f"tag {tag}, known are those of typed arrays, little-endian")
         following = self._data[self._at : self._at + 1]
         if not following or following[0] >> 5 != OCTETS >> 5:  # nor another tag: they may nest
-            self._refuse("a typed array that is no byte string")
+            self._refuse("a typed array that is not a byte string")
         self._singles += _TAG_ITEMS
         octets = self.item()
         assert isinstance(octets, bytes)  # noqa: S101  # as its head says

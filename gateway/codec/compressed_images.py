@@ -30,8 +30,9 @@ _JPEG_FRAME: Final = struct.Struct(">HBHHB")
 _JPEG_LENGTH: Final = struct.Struct(">H")
 # markers that begin a frame, without those of tables: Huffman, a reserved one, arithmetic coding
 _FRAME_MARKERS: Final = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
-# Markers of segments with a length that may stand before the frame: tables of Huffman, arithmetic
-# coding and quantization, a number of lines, a restart interval, APP0 to APP15, a comment.
+# Markers of segments with a length that may stand before the frame. These are tables of Huffman,
+# arithmetic coding and quantization, a number of lines, a restart interval, APP0 to APP15, a
+# comment.
 _SEGMENT_MARKERS: Final = frozenset({0xC4, 0xCC, 0xDB, 0xDC, 0xDD, *range(0xE0, 0xF0), 0xFE})
 # Before the frame, bytes of padding included. A colour profile and EXIF take some dozens. A file of
 # 10 MB could have millions, and a second of the worker's time would go to its header.
@@ -53,10 +54,10 @@ def decompress(
 ) -> RawImage:
     """Return the pixels of a JPEG or PNG, as it says itself which of them it is.
 
-    *format_name* is that of the message: with ``compressedDepth`` in it, *data* is 16-bit depth
-    behind a header, as compressed_depth_image_transport has it: millimetres, or for ``32FC1`` the
-    inverse of the distance, and 0 is no measurement. With *max_bytes*, a picture of more bytes of
-    pixels is refused before it is decoded.
+    *format_name* is that of the message. With ``compressedDepth`` in it, *data* is 16-bit depth
+    behind a header, as compressed_depth_image_transport has it. Values are millimetres, or for
+    ``32FC1`` the inverse of the distance, and 0 means no measurement. With *max_bytes*, a picture
+    of more bytes of pixels is refused before it is decoded.
 
     Raises:
         ImageError: it is neither, too large, or broken.
@@ -98,8 +99,8 @@ def _decoded(data: bytes | memoryview, max_bytes: int | None) -> MatLike:
         raise ImageError(f"a picture of {width}x{height} px")
     if max(width, height) > MAX_SIDE_PX or width * height > MAX_DECODED_PIXELS:
         raise ImageError(
-            f"a picture of {width}x{height} px, at most {MAX_SIDE_PX} px a side and"
-            f" {MAX_DECODED_PIXELS} in all are coded anew"
+            f"a picture of {width}x{height} px is too large to encode again: at most {MAX_SIDE_PX}"
+            f" px a side and {MAX_DECODED_PIXELS} px in all"
         )
     if max_bytes is not None and width * height * pixel_bytes > max_bytes:
         raise ImageError(

@@ -95,7 +95,7 @@ def suggestion(near: str | None) -> str:
 def hint(name: str, known: Iterable[str], *, given: Container[str] = ()) -> str:
     """Return the end of such a text: the nearest known name, or all of them.
 
-    What is *given* already was not meant: where that is the nearest, all are named.
+    A name that is *given* already was not meant. If that is the nearest, all are named.
     """
     near = nearest(name, known)
     if near is None or near in given:

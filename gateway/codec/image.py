@@ -50,7 +50,7 @@ class ImageOptions:
             if bound is not None and bound < 1:
                 raise ValueError(f"{side} is {bound}, needs at least 1 px")
         near, far = self.depth_range_m
-        # written so that NaN is refused, too
+        # written so that NaN is also refused
         if not (0.0 <= near <= far - MIN_DEPTH_RANGE_M and far <= MAX_DEPTH_M):
             raise ValueError(
                 f"depth range is {near} to {far}, needs 0 to {MAX_DEPTH_M:g} m, rising by at least"
@@ -61,8 +61,8 @@ class ImageOptions:
 class Picture(NamedTuple):
     """A compressed picture.
 
-    ``depth_range_m`` is the range that depth in a format of 8 bits shows, else ``None``: the
-    nearest depth is 255, the farthest 1, linear in between, depths outside are clamped, and 0 means
+    ``depth_range_m`` is the range that depth in a format of 8 bits shows, else ``None``. The
+    nearest depth is 255, the farthest 1, linear in between. Depths outside are clamped, and 0 means
     no measurement. A PNG of depth holds 16-bit millimetres. 0 means no measurement.
     """
 

@@ -73,8 +73,8 @@ def loads(
     *max_depth* bounds how deep objects and arrays nest, *max_items* how many members and
     elements they have in all. `gateway.codec.json_bounds` has further bounds.
 
-    Beside RFC 8259, a text of up to `LARGE_TEXT_BYTES` may hold the values NaN, Infinity and
-    -Infinity, at most `MAX_TOKENS`, if it *takes_tokens*.
+    In addition to RFC 8259, a text of up to `LARGE_TEXT_BYTES` may hold the values NaN, Infinity
+    and -Infinity, at most `MAX_TOKENS`, if it *takes_tokens*.
 
     Raises:
         JsonError: the text is not JSON in UTF-8, a limit is exceeded, or an object has two members

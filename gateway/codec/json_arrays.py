@@ -143,7 +143,7 @@ def _smallest(values: npt.NDArray[np.int64]) -> Array:
 
 
 def _common_type(slices: Sequence[Array], offset: int) -> np.dtype[Any]:
-    """Return the type that has all numbers: integers are exact unless there are others, too."""
+    """Return the type that has all numbers: integers are exact if there are no others."""
     types = {each.dtype for each in slices}
     kinds = {each.kind for each in types}
     if "b" in kinds and len(kinds) > 1:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bounds of what a JSON text says, checked before it is parsed.
 
-Parsing takes memory and time for what a text says, so that is counted first. What strings hold says
-nothing, so it is the outline of a text that is looked at, which numpy makes of all characters at
-once: a text of 10 MiB may not take longer to look at than to parse.
+Parsing takes memory and time for what a text says, so that is counted first. The contents of
+strings do not matter, so only the outline of a text is counted, which numpy makes of all characters
+at once. A text of 10 MiB may not take longer to count than to parse.
 """
 
 from collections.abc import Generator
@@ -24,7 +24,7 @@ MAX_STRINGS: Final = 60_000
 
 MAX_COST: Final = 13_000_000
 """The most that a text may cost: each byte of it costs 1, and what takes longer to read, more."""
-# As so many bytes of a long string take as long to read, beside its own.
+# As so many bytes of a long string take as long to read, in addition to its own.
 OUTSIDE_COST: Final = 4  # a character outside of strings, of a number or white space
 STRING_COST: Final = 80
 BACKSLASH_COST: Final = 28
@@ -37,7 +37,7 @@ Places = npt.NDArray[np.intp]
 
 PIECE_BYTES: Final = 256 * 1024  # looked at in half a millisecond
 MIN_ARRAY_BYTES: Final = 16 * 1024
-"""An array of numbers with a longer text is read in slices, and its numbers are no items."""
+"""An array of numbers with a longer text is read in slices, and its numbers are not items."""
 
 _WORD_BITS: Final = 64
 _ALL_INSIDE: Final = np.uint64(2**_WORD_BITS - 1)
@@ -218,9 +218,9 @@ def _has_wide(octets: Octets, escaped: Places) -> bool:
 def _outside_of_strings(is_quote: Flags, was_inside: bool) -> Flags:  # a state
     """Return which characters are outside, as the quote that ends a string is.
 
-    A bit says whether so many quotes stand before a character that it is within a string: the
-    exclusive or of all bits up to it, 64 at a time (as simdjson does it, Langdale and Lemire,
-    Parsing Gigabytes of JSON per Second, 2019, section 3.1.1).
+    A bit says whether a character is within a string, by the number of quotes before it. It is the
+    exclusive or of all bits up to it, 64 at a time, as in simdjson (Langdale and Lemire, Parsing
+    Gigabytes of JSON per Second, 2019, section 3.1.1).
     """
     is_inside = np.zeros(-(-len(is_quote) // _WORD_BITS), "<u8")
     packed = np.packbits(is_quote, bitorder="little")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """NaN, Infinity and -Infinity as clients write them: tokens that JSON does not have.
 
-Python's ``json`` writes them unless it is told not to. The parser refuses them, so integers that
-stand nowhere in the text take their places, the parser reads the text again, and then the numbers
-take the places of the integers. Everything else is as strict as without.
+Python's ``json`` writes them unless it is told not to. The parser refuses them. So
+integers that stand nowhere in the text take their places, and the parser reads the text again. Then
+the numbers replace the integers. Everything else is as strict as without.
 """
 
 import json

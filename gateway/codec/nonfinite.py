@@ -11,7 +11,7 @@ import orjson
 from gateway.codec.json import dumps
 
 NonFinite: TypeAlias = Literal["null", "string", "token"]
-"""The form that a client asks for. A token is no JSON, but Python's ``json`` reads it."""
+"""The form that a client asks for. A token is not JSON, but Python's ``json`` reads it."""
 
 # the bytes of NaN, of infinity and of minus infinity
 _NAMES: Final[Mapping[NonFinite, tuple[bytes, bytes, bytes]]] = {

@@ -23,9 +23,9 @@ COMPRESSED_IMAGE: Final = "sensor_msgs/msg/CompressedImage"
 def picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable[[Cdr], bytes]:
     """Return a function from the CDR of an image to JSON in the shape of CompressedImage.
 
-    Beside ``header``, ``format`` and ``data`` (base64) it has ``width`` and ``height`` of the
-    picture, and ``depth_range_m`` if grey means distance. The function may run in any
-    thread. It raises `CodecError`.
+    In addition to ``header``, ``format`` and ``data`` (base64) it has ``width`` and ``height`` of
+    the picture, and ``depth_range_m`` if grey means distance. The function may run in any thread.
+    It raises `CodecError`.
     """
     render = _renderer(image_type, options, pybase64.b64encode_as_string)
     return lambda cdr: dumps(render(cdr))

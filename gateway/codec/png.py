@@ -24,7 +24,7 @@ def text_as_png(text: bytes) -> bytes:
 def large_text_as_png(texts: Iterable[bytes], pause: Callable[[], None]) -> bytes:
     """Return the same of a large text in pieces. *pause* is called between pieces.
 
-    Where it lets go of the GIL, no thread waits for this one for long: OpenCV does so, too.
+    If it releases the GIL, no thread waits for this one for long. OpenCV also releases it.
     """
     pieces = []
     for text in texts:

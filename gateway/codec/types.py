@@ -236,7 +236,7 @@ class Types:
     """The types that some definitions describe. Not safe across threads.
 
     A type whose definition has changed, or that of one that it nests, is another object from then
-    on. Who holds the former one still reads messages as they were.
+    on. A holder of the former one still reads messages as they were.
     """
 
     def __init__(self, definitions: InstalledDefinitions) -> None:

@@ -4,7 +4,7 @@
 import codecs
 from typing import Final
 
-_PIECE_BYTES: Final = 64 * 1024  # decoded at once: what is not kept needs no memory of its own
+_PIECE_BYTES: Final = 64 * 1024  # decoded at once: the rest needs no memory
 
 
 def invalid_at(data: bytes) -> int | None:

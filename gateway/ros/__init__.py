@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ROS 2 through rclpy. The only importer of rclpy beside the simulated robot.
+"""ROS 2 through rclpy. Only this and the simulated robot import rclpy.
 
 Importing this needs no rclpy, opening does.
 
@@ -40,7 +40,7 @@ async def open_ros(
         RosError: ROS refuses the options.
     """
     remove_abandoned_segments()
-    check_room()  # before rclpy: its tracing ends the process by SIGBUS where there is none
+    check_room()  # before rclpy: its tracing ends the process by SIGBUS without room
     try:
         import rclpy  # noqa: F401
     except ImportError as error:

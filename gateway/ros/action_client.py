@@ -22,11 +22,11 @@ from gateway.ros.goal_ids import goal_id_of, without_goal_id
 from gateway.ros.interfaces import service_class
 from gateway.ros.samples import Samples
 
-# One reader gets the feedback of all goals of an action, and the loop may be busy meanwhile.
+# One reader gets the feedback of all goals of an action, and the loop may be busy at the time.
 _READER_PROFILE: Final = QoSProfile(depth=MAX_QUEUE_DEPTH)
 
-# How long to wait for the answer to a goal that was abandoned, to cancel it if it is accepted, and
-# how long a closed client waits for the answers to its cancels. Clients of the gateway give up
+# How long to wait for the answer to an abandoned goal, to cancel it if it is accepted. A closed
+# client waits as long for the answers to its cancels. Clients of the gateway give up
 # after 5 s. A server that loads a map before it accepts needs longer. An abandoned goal costs a few
 # hundred bytes, a client that waits four entities of DDS.
 _ABANDONED_S: Final = 30.0
@@ -73,7 +73,7 @@ class RclpyActionClient:
                 return opened
 
             # First: DDS announces readers in order, and a server accepts a goal only once it knows
-            # the reader for its answer. By then it knows this one, too, whose first sample might
+            # the reader for its answer. By then it also knows this one, whose first sample might
             # be lost otherwise.
             with refusals(self._subject):
                 self._feedback = samples.read(
@@ -143,7 +143,7 @@ class RclpyActionClient:
         for known in (SUCCEEDED, CANCELED, ABORTED):
             if status == known:
                 return GoalResult(known, result)
-        text = f"{self._subject} does not know the goal: it has forgotten it, or was provided anew"
+        text = f"{self._subject} does not know the goal: it has forgotten it, or was started again"
         raise RosError("not_found", text)
 
     def follow_graph(self) -> None:
@@ -189,7 +189,7 @@ class RclpyActionClient:
         return result
 
     def _end(self, goal_id: bytes, result: "asyncio.Future[Any]") -> None:
-        self._feedback.flush()  # what was published before the result
+        self._feedback.flush()  # samples from before the result
         self._feedback_callbacks.pop(goal_id, None)
         if goal_id in self._canceling and result.exception() is None:
             self._canceling[goal_id].cancel()  # there is nothing left to cancel

@@ -24,8 +24,8 @@ _UNKNOWN: Final = b"\0"  # action_msgs/msg/GoalStatus
 class ActionForm(Protocol):
     """An action type. Goals, results and feedback are CDR, encapsulation header included.
 
-    Bytes that are no CDR of the type raise one of `gateway.ros.errors.REFUSALS`, or a `RosError`. A
-    made class notices little of it.
+    Bytes that are not CDR of the type raise one of `gateway.ros.errors.REFUSALS`, or a `RosError`.
+    A made class notices little of it.
     """
 
     @property
@@ -69,7 +69,7 @@ class ActionForm(Protocol):
         """Return the status and the result.
 
         Raises:
-            RosError: ``internal``: the response is no CDR of the type.
+            RosError: ``internal``: the response is not CDR of the type.
         """
 
 

@@ -130,7 +130,8 @@ class RclpyActionServer:
             self._status_topic = publisher(
                 "status", self._statuses, qos_profile_action_status_default
             )
-            # The service that clients use first is created last: whoever sees it finds the rest.
+            # The service that clients use first is created last: a client that sees it finds the
+            # rest.
             services: list[tuple[str, Any, OnRequest]] = [
                 ("get_result", form.get_result, self._answer_result),
                 ("cancel_goal", cancel_class, self._cancel),

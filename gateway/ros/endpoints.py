@@ -180,8 +180,8 @@ class Requester:
     def _find_lost(self) -> "list[asyncio.Future[Any]]":
         if not self._under_way:
             return []
-        # Not whether it is ready: another server may have replaced one that died without notice,
-        # and one of which DDS has found a half makes a service unready that another one answers.
+        # Not whether it is ready. Another server may have replaced one that died without notice. If
+        # DDS has found half of a server, the service is not ready, although another one answers.
         servers = self._find_servers()
         is_unready = not self.is_ready  # counts for those whose servers nobody could tell
         return [
@@ -388,7 +388,7 @@ class Replier:
             _logger.warning("%s: a client's QoS does not let it get responses", self._subject)
 
     def _send(self, response: Any, request_id: rclpy_private.RequestId) -> bool:
-        """Send a response. Return whether rmw did not wait for the client in vain."""
+        """Send a response. Return whether rmw found the client in time."""
         with losses(self._subject) as waits:
             self._send_response(response, request_id)
         return not waits
@@ -406,7 +406,7 @@ class Replier:
 
 
 def _profile() -> QoSProfile:
-    # The default of ROS is reliable and volatile, too, but keeps 10: more of a burst would be lost.
+    # The default of ROS is also reliable and volatile, but keeps 10: the rest of a burst is lost.
     return QoSProfile(depth=MAX_QUEUE_DEPTH)
 
 

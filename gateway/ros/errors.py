@@ -18,8 +18,8 @@ from gateway.ros import fast_dds
 from gateway.ros.rclpy_private import RESPONSE_TIMED_OUT
 
 # RCLError and its kin are RuntimeErrors. A class without type support raises an AttributeError, a
-# number that C does not hold a ValueError or an OverflowError, and a limit of the process, such as
-# its number of descriptors, an OSError.
+# number that C does not hold a ValueError or an OverflowError. A limit of the process, such as its
+# number of descriptors, raises an OSError.
 REFUSALS: Final = (
     RuntimeError,
     ValueError,

@@ -14,7 +14,7 @@ _VARIABLES: Final = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES
 
 _RCUTILS: Final = "librcutils.so"
 _RMW: Final = "librmw_fastrtps_shared_cpp.so"
-# what rmw exports where it uses Fast DDS 2, as it does up to Jazzy
+# exported by rmw if it uses Fast DDS 2, as up to Jazzy
 _OF_2: Final = (
     "_ZN23rmw_fastrtps_shared_cpp20register_type_objectEPK29rosidl_message_type_support_t"
     "RKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE"

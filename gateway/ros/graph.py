@@ -78,8 +78,8 @@ def read_all_services(node: Node) -> tuple[ServerInfo, ...]:
     """Return the services that nodes provide, including those of actions.
 
     Of nodes that share their name rcl lists those of one alone, and one that was killed may be that
-    one. What the others provide is in rcl's list of all services, which has no nodes, but also
-    those that only a client has named, so their servers are counted.
+    one. The services of the others are in rcl's list of all services. That has no nodes, but also
+    names that only a client uses, so their servers are counted.
     """
     listed = _provided(node, lambda *each: node.get_service_names_and_types_by_node(*each))
     found = {each.name: each for each in listed}
@@ -195,7 +195,7 @@ class GraphChanges:
                 self._wait(self._wait_set)
             except REFUSALS:
                 _logger.exception("waiting for graph changes failed, looking every %g s", POLL_S)
-                self._report()  # what has changed before the first look
+                self._report()  # changes from before the first look
             else:
                 return
         self._poll()
@@ -204,7 +204,7 @@ class GraphChanges:
         with wait_set.opened() as wait:
             wait()
             while not self._stopping.wait(self._settle_s):
-                wait(timeout_ns=0)  # what came meanwhile is part of this change
+                wait(timeout_ns=0)  # later events are part of this change
                 # This wake may have been that of close(), which sets the event before.
                 if self._stopping.is_set():
                     return

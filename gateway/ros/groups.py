@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A callback group for each entity: rclpy 7.1 keeps those of the default group for ever."""
+"""A callback group for each entity: rclpy 7.1 keeps those of the default group forever."""
 
 from rclpy.callback_groups import CallbackGroup, ReentrantCallbackGroup
 

@@ -11,7 +11,7 @@ from gateway.ports import RosError
 from gateway.ros.name_checks import TypeKind, split_type
 from schemas.interface import EVENT, FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL
 
-# Where rclpy has the classes of what rosidl derives for topics.
+# The places in rclpy of the classes that rosidl derives for topics.
 _DERIVED: Final = {
     EVENT: "Event",
     FEEDBACK_MESSAGE: "Impl.FeedbackMessage",

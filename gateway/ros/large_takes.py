@@ -11,7 +11,7 @@ from rclpy.subscription import Subscription
 from gateway.ports import Sample
 from gateway.ros.rclpy_private import HANDED_OVER_BYTES, sample_taker
 
-# To take so much on the loop lasts as long as to have a thread do it: some 0.1 ms. 16 MB last 35.
+# Taking so much on the loop lasts as long as handing it to a thread: about 0.1 ms. 16 MB last 35.
 LARGE_SAMPLE_BYTES: Final = HANDED_OVER_BYTES
 # Each is delivered before the next four are taken: a queue may hold a gigabyte of them.
 TAKES_AT_ONCE: Final = 4

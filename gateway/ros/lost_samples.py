@@ -10,8 +10,9 @@ NO_NUMBER: Final = 0  # publishers begin with 1
 class LostSamples:
     """Counts what one reader has missed, by the numbers that a publisher gives its samples.
 
-    DDS counts as lost what did not arrive. What newer samples replaced in a reader that was full
-    it does not. A number does not say whose it is, so DDS alone counts while several publish.
+    DDS counts samples as lost that did not arrive. It does not count samples that newer ones
+    replaced in a full reader. A number does not say whose it is, so DDS alone counts while several
+    publish.
     """
 
     __slots__ = ("_by_dds", "_by_number", "_is_alone", "_on_lost", "_publishers", "_told")
@@ -44,7 +45,7 @@ class LostSamples:
             return NO_NUMBER
         was_alone, self._is_alone = self._is_alone, self._publishers() == 1
         if expected != NO_NUMBER and was_alone and self._is_alone and number > expected:
-            self._grow(by_number=number - expected)  # a smaller one: it has begun anew
+            self._grow(by_number=number - expected)  # a smaller one: it has begun again
         return number
 
     def take(self, by_dds: int) -> int:

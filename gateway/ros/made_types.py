@@ -5,7 +5,7 @@ rclpy gives rmw a type support: a C structure that a package's generated code ho
 rmw_fastrtps_cpp reads little: the type's name, its REP-2011 hash, its description, that its size is
 not bounded, and how it is written and read. So structures made by ctypes do as well.
 
-What is made is never freed: rmw and rcl keep pointers to it.
+Made types are never freed, because rmw and rcl keep pointers to them.
 """
 
 import ctypes
@@ -110,7 +110,7 @@ class MadeTypes:
         key = (definition.name, hashed)
         if key not in self._made:
             if len(self._made) >= MAX_MADE:
-                text = f"at most {MAX_MADE} types that are not installed; start the gateway anew"
+                text = f"at most {MAX_MADE} types that are not installed; restart the gateway"
                 raise RosError("limit_exceeded", text)
             self._made[key] = make()
         made: _T = self._made[key]

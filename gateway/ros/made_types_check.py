@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Try whether this ROS takes made types: exit code 0 if it does.
 
-A sample goes from a real publisher to a made subscription, and one from a made publisher to a real
-subscription, both of std_msgs/msg/Header within this process. Services are called likewise
-(`gateway.ros.made_services_check`). What is wrong is one line on stdout. A crash says nothing.
+A sample goes from a real publisher to a made subscription. Another one goes from a made publisher
+to a real subscription. Both are of std_msgs/msg/Header within this process. Services are called
+likewise (`gateway.ros.made_services_check`). A fault is one line on stdout. A crash says nothing.
 `gateway.ros.message_classes` runs it, before it makes any types.
 """
 

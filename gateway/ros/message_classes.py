@@ -123,7 +123,7 @@ class MessageClasses:
         )
 
     def _find_made(self, find: Callable[[], _T], make: Callable[[InstalledDefinitions], _T]) -> _T:
-        """Make it. Where that is not possible, find it."""
+        """Make it, or find it if that is not possible."""
         if self._definitions is not None and self._makes_types and self._why_not is None:
             with contextlib.suppress(UnknownTypeError, DefinitionError, RosError):
                 return make(self._definitions)
@@ -158,7 +158,7 @@ def _hash(type_name: str, definitions: InstalledDefinitions) -> str:
 async def why_types_cannot_be_made() -> str | None:
     """Return in words why this ROS takes no made types, ``None`` if it does.
 
-    A process of its own tries: where the structures are not as expected, that may crash.
+    A separate process tries, because it may crash if the structures are not as expected.
     """
     environment = os.environ | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}  # nobody else hears of it
     environment.pop("ROS_LOCALHOST_ONLY", None)  # it would take precedence

@@ -58,7 +58,9 @@ def split_type(type_name: str, kind: TypeKind = "msg") -> tuple[str, str]:
     match = _TYPE.fullmatch(type_name)
     if match is None or match[2] != kind:
         expected = f"expected pkg/{kind}/Name"
-        raise RosError("bad_type", f"{type_name!r} is no {_NOUNS[kind]} type name: {expected}")
+        raise RosError(
+            "bad_type", f"{type_name!r} is not a valid {_NOUNS[kind]} type name: {expected}"
+        )
     return match[1], match[3]
 
 
@@ -67,4 +69,4 @@ def _check(noun: str, name: str, limit: int, *, example: str) -> None:
         raise RosError("bad_name", f"{noun} name has {len(name)} characters, at most {limit}")
     if not _NAME.fullmatch(name):
         expected = f"fully qualified {noun} name such as {example}"
-        raise RosError("bad_name", f"{name!r} is no {expected}")
+        raise RosError("bad_name", f"{name!r} is not a {expected}")

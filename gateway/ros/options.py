@@ -36,7 +36,7 @@ def check_room(open_entities: int, options: RosOptions, *, is_reserved: bool) ->
         RosError: ``limit_exceeded``.
     """
     most = options.max_entities
-    kept = min(options.reserved_entities, most // 4)  # where there are few, others need them too
+    kept = min(options.reserved_entities, most // 4)  # of few, others also need some
     is_full = open_entities >= most
     if is_full or (open_entities >= most - kept and not is_reserved):
         reserve = "" if is_full else f", of which {kept} are kept for command topics"

@@ -345,7 +345,7 @@ class RclpyRos:
             raise RosError("type_conflict", f"{subject} is open here as {known}, not {type_name}")
         self._deferred.destroy_now(subject, except_type=type_name)
 
-    # What is opened and closed here changes the graph at once: no report is waited for.
+    # Entities of this port change the graph at once, without waiting for a report.
 
     def _services_here(self, found: Iterable[ServerInfo]) -> tuple[ServerInfo, ...]:
         return self._as_here("service", found, self._services.provided())

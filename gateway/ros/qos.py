@@ -20,13 +20,13 @@ from gateway.ports import (
     TopicEvent,
 )
 
-# what the loop takes in one turn: DDS need not drop while a turn takes 32 ms at 1 kHz. A topic
-# of 1 MB images holds at most 32 MB
+# The loop takes so many in one turn: DDS need not drop while a turn takes 32 ms at 1 kHz. A topic
+# of 1 MB images holds at most 32 MB.
 NEEDED_DEPTH: Final = MAX_TAKES_PER_TURN
 # rosbridge's: what a client publishes in one go is written faster than subscribers take it, and the
 # 10 of ROS lose some of it
 PUBLISHER_DEPTH: Final = 100
-# DDS watches a deadline with a timer of its own, 1000 times a second at most
+# DDS watches a deadline with a separate timer, 1000 times a second at most
 MIN_PERIOD_NS: Final = 1_000_000
 MAX_PERIOD_NS: Final = 2**63 - 1  # rmw's number for an infinite duration
 
@@ -98,7 +98,7 @@ def retains(offer: Qos | Endpoint) -> bool:
 def is_same_request(one: Qos, other: Qos) -> bool:
     """Return whether two profiles match the same offers, whatever their depths.
 
-    A depth alone is no reason to resubscribe: for seconds each sample would come to two
+    A depth alone does not justify a new subscription: for seconds each sample would come to two
     readers, and a longer queue seldom saves one.
     """
     return replace(one, depth=None) == replace(other, depth=None)

@@ -17,7 +17,7 @@ from gateway.ros import rclpy_private
 from gateway.ros.samples import Reader
 
 LOOK_S: Final = 0.5
-# What lasts is reported again after so long, with the number of times since.
+# A lasting problem is reported again after so long, with the number of times since.
 REPEAT_NS: Final = 5_000_000_000
 
 

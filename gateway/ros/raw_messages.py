@@ -5,8 +5,8 @@ rclpy has C make a message, rmw read or write it, and C convert it from or to a 
 the message in C is a Python object itself, which rmw knows by its address.
 
 rmw asks for a message's size and writes it while it holds a lock of DDS. No bytecode may run there:
-Python could pass the GIL to another thread, and if that one then waits for the lock, as it does
-when it creates any entity, neither ever goes on. So these functions are C all the way, put together
+Python could pass the GIL to another thread. If that one then waits for the lock, as when it
+creates an entity, neither ever goes on. So these functions are C all the way, put together
 from what Python and Fast CDR have.
 """
 
@@ -47,7 +47,7 @@ _ToPython = ctypes.PYFUNCTYPE(ctypes.py_object, Pointer)
 class RawMessage:
     """A request or a response as CDR, encapsulation header included.
 
-    What was received has up to 3 bytes of padding at its end, and the byte order of its sender.
+    Received bytes have up to 3 bytes of padding at their end, and the byte order of their sender.
     """
 
     __slots__ = ("cdr",)

@@ -133,8 +133,9 @@ class RawSubscriptions:
 class RawSubscription:
     """One handle. rclpy's subscription behind it is replaced when the offers require another.
 
-    The retired one stays until publishers have discovered its successor, so nothing is lost. What
-    comes to both is delivered once, and so is what transient-local publishers give again.
+    The retired one stays until publishers have discovered its successor, so nothing is lost.
+    Samples that come to both are delivered once, and so are those that transient-local publishers
+    repeat.
     """
 
     def __init__(
@@ -246,7 +247,7 @@ class RawSubscription:
         retired, self._retired = self._retired, None
         if retired is None:
             return
-        # what it delivers last may be on its way to its successor
+        # its last samples may be on their way to its successor
         self._stop_timer()
         self._timer = self._subscriptions.after(RETIREMENT_S, self._end_comparison)
         try:

@@ -2,7 +2,7 @@
 """Notice to the event loop that an entity of rcl has something to take.
 
 `EventfdReadyEvents` is the fast way. The listener thread of DDS writes an eventfd, in C and without
-the GIL, and the loop takes what has arrived itself. Where something for that is missing:
+the GIL, and the loop takes what has arrived itself. If something for that is missing, see
 `gateway.ros.wait_set_events`.
 """
 
@@ -44,7 +44,7 @@ class EventSource(Protocol):
         """Let others take what is there: *on_ready* may stay out until `resume`."""
 
     def resume(self) -> None:
-        """End a pause. What has arrived meanwhile was reported, or is now."""
+        """End a pause. Messages that arrived in the pause were reported, or are now."""
 
     def count_take(self) -> bool:
         """Count one take of any outcome. Return whether a message is known to have been there.

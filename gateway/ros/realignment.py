@@ -3,9 +3,9 @@
 
 CDR aligns a primitive to its size, counted from the beginning of the whole message. A goal that
 follows a goal's id of 16 bytes is as it is alone. A result that follows a status of one byte is
-not. A structure has no alignment of its own, so its definition has to be walked, but only as far as
-the first primitive that is aligned as strictly as any in it: from there on the distance is a
-multiple of every alignment, and the rest is copied.
+not. A structure is not aligned as a whole, so its definition has to be walked. This ends at the
+first primitive that is aligned as strictly as any in it. From there on the distance is a multiple
+of every alignment, and the rest is copied.
 """
 
 from collections.abc import Mapping, Sequence
@@ -92,7 +92,7 @@ class Realignment:
     def move(self, source: bytes, start: int, before: bytes, *, is_little_endian: bool) -> bytes:
         """Return *before* and the message behind it, which is in *source* from *start* on.
 
-        Both are without encapsulation header. What follows the message may come, too.
+        Both are without encapsulation header. Bytes behind the message may come as well.
 
         Raises:
             RosError: ``internal``: *source* ends within the message.

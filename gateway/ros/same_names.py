@@ -13,7 +13,8 @@ from typing import Final
 
 from gateway.ros.qos import UNKNOWN_NODE
 
-# A node that was killed stays in the graph for 20 s: beside its successor it is no second one.
+# A killed node stays in the graph for 20 s. Next to its successor it does not count as a second
+# one.
 PERSISTS_S: Final = 30.0
 MAX_NAMED: Final = 8  # names in a line, which people read. Robots of one kind share dozens
 
@@ -46,7 +47,7 @@ class SameNames:
         return tuple(sorted(self._warned))
 
     def look(self) -> None:
-        """Begin to watch names that are shared now. What is watched already takes its time."""
+        """Begin to watch names that are shared now. Those watched already keep their time."""
         shared = self._shared()
         self._warned &= shared  # no more than there are. Who comes back is warned of again
         if (own := shared & self._own) and not self._warned & self._own:

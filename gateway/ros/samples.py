@@ -26,7 +26,7 @@ def unheard(_: int) -> None:
     """Serve as `OnLost` where nobody asks."""
 
 
-# as many as can be waiting when a flush begins. What arrives during a flood is not waited for
+# as many as can be waiting when a flush begins. Later samples of a flood are not waited for
 _TURNS_PER_FLUSH: Final = MAX_QUEUE_DEPTH // MAX_TAKES_PER_TURN
 
 
@@ -92,7 +92,7 @@ class Reader:
         self._on_samples = on_samples
         self._is_closed = False
         self._are_large = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
-        self._large: LargeTake | None = None  # what the thread is taking
+        self._large: LargeTake | None = None  # the thread is taking it
         self._asks_again = False  # more has arrived since
         self._source = samples.ready_events.open(
             "subscription", create, node.destroy_subscription, self._deliver, is_counted=False
@@ -212,10 +212,10 @@ class Reader:
 
     def _finish_large(self) -> None:
         large = self._large
-        if large is None or not large.result.done():  # closed or flushed meanwhile
+        if large is None or not large.result.done():  # closed or flushed since
             return
         self._large = None
-        # before the result, which may be an error: what has arrived meanwhile is reported once
+        # before the result, which may be an error: samples that have arrived are reported once
         if self._asks_again:
             self._source.notify_again()
         else:

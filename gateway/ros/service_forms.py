@@ -14,7 +14,7 @@ from gateway.ros.raw_messages import RawMessage
 class ServiceForm:
     """A service type.
 
-    Bytes that are no CDR of the type raise one of `gateway.ros.errors.REFUSALS`. A made class
+    Bytes that are not CDR of the type raise one of `gateway.ros.errors.REFUSALS`. A made class
     notices only an encapsulation that cannot be sent.
     """
 

@@ -20,7 +20,7 @@ from schemas.interface import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL
 
 _logger = logging.getLogger(__name__)
 
-# the hash of the definition here, of names such as pkg/srv/Name_Request. None if there is none
+# the hash of the definition here, of names such as pkg/srv/Name_Request. None if it is unknown
 HashOf = Callable[[str], str | None]
 
 
@@ -57,8 +57,8 @@ class Versions:
         if servers != self._looked_at:
             nodes = self._others(of_servers=True)
             self._conflict = self._refusal() if nodes else None
-            # What was found is looked for in the next call again: an endpoint of a server that has
-            # just ended may be left, or the name of a node not be known yet.
+            # The next call looks for a conflict again. An endpoint of a server that has just ended
+            # may be left, or the name of a node may not be known yet.
             self._looked_at = None if nodes else servers
             self._warn(nodes - self._servers, "so it is not called")
             self._servers = nodes

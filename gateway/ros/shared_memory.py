@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The shared memory that Fast DDS leaves behind when its process is killed.
 
-Each participant writes its samples into a segment of its own (0.5 MB, more for large messages) and
-holds a lock on a file beside it. A participant that ends removes both. What a killed one leaves is
-removed by another one that has received from it. Without any, it stays until the machine restarts
-or somebody calls ``fastdds shm clean``.
+Each participant writes its samples into its segment (0.5 MB, more for large messages) and holds a
+lock on a file next to it. A participant that ends removes both. If one is killed, another one that
+has received from it removes them. Otherwise they stay until the machine restarts or a person calls
+``fastdds shm clean``.
 
 A process that is killed while it writes to another one, or reads, keeps the mutex of that port.
 Fast DDS waits 1 s for it before it gives up (``BOOST_INTERPROCESS_TIMEOUT_WHEN_LOCKING``).
@@ -29,7 +29,7 @@ FOLDER: Final = Path("/dev/shm")  # noqa: S108  # where POSIX' shm_open puts it 
 MIN_AGE_S: Final = 2
 NEEDED_BYTES: Final = 16 * 1024  # by lttng-ust, which rclpy loads: two pages
 
-# Fast DDS 2, Fast DDS 3. Ports have other names, and are used again by whoever comes next.
+# Fast DDS 2, Fast DDS 3. Ports have other names, and are used again by the next participant.
 _LOCK: Final = re.compile(r"(fastrtps|fastdds)_[0-9a-f]{16}_el")
 
 _logger = logging.getLogger(__name__)
@@ -38,13 +38,13 @@ _logger = logging.getLogger(__name__)
 def remove_abandoned_segments(folder: Path = FOLDER) -> int:
     """Remove the segments of this user whose owner is dead, and return their number.
 
-    Whoever still reads one keeps it until it has finished.
+    A process that still reads one keeps it until it has finished.
     """
     removed = 0
     with contextlib.suppress(OSError):  # there is no such folder
         for path in list(folder.iterdir()):
             if _LOCK.fullmatch(path.name):
-                with contextlib.suppress(OSError):  # it is locked, or has gone meanwhile
+                with contextlib.suppress(OSError):  # it is locked, or has gone
                     removed += _remove_if_abandoned(path)
     if removed:
         segments = counted(removed, "segment")

@@ -123,7 +123,7 @@ class StandAlonePublisher:
     def is_acknowledged(self) -> bool:
         """Return whether all matched reliable readers have what was published last.
 
-        What a lifespan has ended counts as well. True where the middleware cannot tell.
+        Expired samples count as well. True where the middleware cannot tell.
         """
         try:
             return bool(self._publisher.wait_for_all_acked(Duration(seconds=0)))

@@ -8,7 +8,7 @@ from typing import Final
 from rclpy.clock import Clock, JumpThreshold, TimeJump
 from rclpy.duration import Duration
 
-# any jump, as for tf2's listeners. Without simulated time there is none
+# any jump, as for tf2's listeners. Without simulated time it never jumps
 _BACK: Final = JumpThreshold(
     min_forward=None, min_backward=Duration(nanoseconds=-1), on_clock_change=False
 )

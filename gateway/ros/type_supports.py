@@ -7,7 +7,7 @@ They are those of ``message_type_support_struct.h``, ``service_type_support_stru
 are so here is found out by another process (`gateway.ros.made_types_check`), as a wrong one may
 crash it.
 
-What is made is never freed: rmw and rcl keep pointers to it.
+Made types are never freed, because rmw and rcl keep pointers to them.
 """
 
 import ctypes

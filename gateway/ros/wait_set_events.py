@@ -31,8 +31,8 @@ _logger = logging.getLogger(__name__)
 class WaitSetReadyEvents:
     """Reports arrivals from one thread, which sleeps until there is one.
 
-    What is ready is left out of the next wait until the loop has taken it, or that would end at
-    once.
+    A ready source is left out of the next wait until the loop has taken it. Otherwise the wait
+    would end at once.
     """
 
     def __init__(self, context: Context, loop: asyncio.AbstractEventLoop) -> None:
@@ -58,14 +58,15 @@ class WaitSetReadyEvents:
         return WaitSetSource(self, self._loop, kind, create, destroy, on_ready)
 
     def add(self, source: "WaitSetSource") -> None:
-        """Wait for a source, too, until it is ready."""
+        """Also wait for a source, until it is ready."""
         self._awaited[source] = None
         self._wait_set.wake()
 
     def remove(self, source: "WaitSetSource") -> None:
         """Wait for a source no more. Return once the wait that holds its entity has ended.
 
-        Who opens its topic again at once may want another type, which rmw refuses while it exists.
+        A client that opens its topic again at once may want another type, which rmw refuses until
+        then.
         """
         self._awaited.pop(source, None)
         has_let_go = threading.Event()

@@ -20,7 +20,7 @@ _Answer = dict[str, object]
 class GraphServices:
     """The services about the graph. *own* returns rosapi's services with their types.
 
-    They are listed as if a node ``/rosapi`` provided them, as it does beside rosbridge.
+    They are listed as if a node ``/rosapi`` provided them, as it does with rosbridge.
     """
 
     def __init__(self, ros: RosGraph, own: Callable[[], Mapping[str, str]]) -> None:

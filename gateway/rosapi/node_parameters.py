@@ -34,7 +34,8 @@ NODE_TIMEOUT_S: Final = 2.5
 ALL_NODES_TIMEOUT_S: Final = 2.0
 EACH_NODE_TIMEOUT_S: Final = 1.0
 # A node that DDS has not matched with this client yet loses its answer, and only the node hears of
-# it. What changes nothing is therefore asked again: after this time, then after twice as long.
+# it. Requests that change nothing are therefore sent again: after this time, then after twice as
+# long.
 ASK_AGAIN_S: Final = 1.2
 # However long a client would wait: a node that is silent for longer has stopped spinning.
 MAX_TIMEOUT_S: Final = 60.0
@@ -71,7 +72,7 @@ _DESCRIBE: Final = _Service(
 
 
 def node_timeout_s(asked: float | None, default: float = NODE_TIMEOUT_S) -> float:
-    """Return the time-out of nodes for a client's *asked*. 0 asks for the longest."""
+    """Return the timeout of nodes for a client's *asked*. 0 asks for the longest."""
     return default if asked is None else min(asked or MAX_TIMEOUT_S, MAX_TIMEOUT_S)
 
 

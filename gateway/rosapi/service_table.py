@@ -123,8 +123,8 @@ class Rosapi:
         longest.
 
         Raises:
-            ProtocolError: *args* do not fit, or name no type. The returned function may raise it,
-                too.
+            ProtocolError: *args* do not fit, or name no type. The returned function may also
+                raise it.
         """
         found = self._services[service]
         request = self._request(self.type_of(service), args)

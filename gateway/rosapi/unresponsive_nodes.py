@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 # So that a series of requests to a dead node does not wait for each of them, while a request after
-# a pause is sent anew.
+# a pause is sent again.
 FRESH_S: Final = 0.5
 MAX_NODES: Final = 256  # names only. A graph with more dead nodes has other troubles
 
@@ -36,13 +36,13 @@ class UnresponsiveNodes:
         self._known.pop(node, None)
 
     def has_just_timed_out(self, node: str, timeout_s: float, now_s: float) -> bool:
-        """Return whether a request with this time-out or a longer one has just failed."""
+        """Return whether a request with this timeout or a longer one has just failed."""
         known = self._known.get(node)
         return (
             known is not None and timeout_s <= known.waited_s and now_s - known.noticed_s <= FRESH_S
         )
 
     def noticed_s(self, node: str) -> float:
-        """Return the time of a node's last time-out, 0 for none, so that others are asked first."""
+        """Return the time of a node's last timeout, 0 for none, so that others are asked first."""
         known = self._known.get(node)
         return 0.0 if known is None else known.noticed_s

@@ -16,7 +16,7 @@ from gateway.tf.history import HISTORY_NS, History
 from gateway.tf.rigid import IDENTITY, Rigid
 
 # Five humanoids with all their fingers. 67 MB if every frame moves at 200 Hz. A tracker may
-# invent new names for ever: frames that have ceased make room.
+# invent new names forever: frames that have ceased make room.
 MAX_FRAMES: Final = 512
 # Frame names with namespaces, prefixes and numbers stay below half of it.
 MAX_FRAME_CHARACTERS: Final = 256

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``python -m schemas.generate [--check]``: write the files that the message table determines."""
+"""``python -m schemas.generate [--check]``: write the files of the list of message types."""
 
 import argparse
 import sys

@@ -86,7 +86,7 @@ def _definitions(
     names = sorted(messages)
     names += sorted({nested for part in parts for nested in part.nested()})
     closure = installed.closure(names)
-    # of the parts, as they may be large, too
+    # also of the parts, because they may be large
     installed.closure(part.name for part in parts)
     hashes = {one.name: type_hash(one, installed) for one in [*closure, *parts]}
     return {message.name: message for message in closure}, found, hashes

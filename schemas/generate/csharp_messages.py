@@ -62,7 +62,7 @@ _UNSET: Final = (
 
 
 def write(catalogue: Catalogue) -> dict[str, str]:
-    """Return the file of each package, and that of the message table."""
+    """Return the file of each package, and that of the list of message types."""
     purposes = catalogue.purposes()
     files = {f"{CSHARP_FOLDER}/MessageTable.cs": table_source(catalogue)}
     top = f"// SPDX-License-Identifier: Apache-2.0\n{head(GENERATED)}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write the C# class that knows the message table, and makes a message of any of its types.
+"""Write the C# class that knows the list of message types, and makes a message of each.
 
 It names every class, so that those that are used only by name are in a build with it.
 """

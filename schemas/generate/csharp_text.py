@@ -83,7 +83,7 @@ def field_name(name: str, class_name: str) -> str:
     A keyword gets an ``@``, which is not a part of the name. A trailing underscore is added if the
     class itself or one of its members has the name. Different fields always get different names.
     """
-    bare = name.rstrip("_")  # "Read_" must make room for the "Read" beside it
+    bare = name.rstrip("_")  # "Read_" must make room for a "Read"
     if bare in _TAKEN or bare == class_name:
         return f"{name}_"
     return f"@{name}" if name in _KEYWORDS else name

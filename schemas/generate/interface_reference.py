@@ -8,7 +8,7 @@ from schemas.generate.markdown import anchor, members
 from schemas.interface import Interface
 from schemas.table import InterfaceRow
 
-_MESSAGES: Final = "messages.md"  # beside this page
+_MESSAGES: Final = "messages.md"  # next to this page
 
 _INTRODUCTION: Final = f"""\
 <!-- {GENERATED} -->

@@ -53,7 +53,7 @@ def catalogue_schema(catalogue: Catalogue, name: str) -> Schema:
 def bundle(schemas: Iterable[Schema]) -> Schema:
     """Return one schema with others in its ``$defs``, by their titles with dots for slashes.
 
-    It refuses nothing by itself: whoever uses it refers to ``#/$defs/geometry_msgs.msg.Twist``.
+    It refuses nothing by itself: a user refers to ``#/$defs/geometry_msgs.msg.Twist``.
     """
     nested: Schema = {}
     whole: Schema = {}

@@ -43,7 +43,7 @@ _ZEROS: Final[Mapping[str, Scalar]] = {
     "wstring": "",
 }
 
-# The types with rules of their own, written by hand in schemas.message.
+# The types with special rules, written by hand in schemas.message.
 _BASES: Final = {
     "builtin_interfaces/msg/Duration": "ros.DurationMessage",
     "builtin_interfaces/msg/Time": "ros.TimeMessage",

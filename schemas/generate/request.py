@@ -19,12 +19,12 @@ class ClientCodeError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class GenerateRequest:
-    """The types that somebody asks for.
+    """The types that a person asks for.
 
     ``names`` are their full names, sorted. ``catalogue`` has these and all nested types.
     ``generated`` is one line that begins with `MARK`. ``wire`` is the form of received messages,
-    of which TypeScript alone knows two. ``complete`` asks for the C# classes that the Unity
-    package has, too. ``asmdef`` names the Unity assembly that the C# files are to be, if any.
+    of which TypeScript alone knows two. ``complete`` also asks for the C# classes that the
+    Unity package has. ``asmdef`` names the Unity assembly that the C# files are to be, if any.
     """
 
     names: tuple[str, ...]
@@ -35,7 +35,7 @@ class GenerateRequest:
     asmdef: str | None = None
 
     def made_by(self, language: str, types: Iterable[str]) -> "GenerateRequest":
-        """Return it with the command that asks for it: *types* are as somebody has named them."""
+        """Return it with the command that asks for it: *types* are as the user has named them."""
         options = [
             *(["--wire", self.wire] if self.wire != "json" else []),
             *(["--complete"] if self.complete else []),

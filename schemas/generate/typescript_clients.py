@@ -91,7 +91,7 @@ def _field(field: Field, definition: Definition, wire: Wire) -> list[str]:
 def _constants(definition: Definition) -> list[str]:
     lines = [line for constant in definition.constants for line in _constant(constant)]
     inner = [f"  {line}" for line in lines]
-    # a value beside the type of the same name
+    # a value with the name of the type
     head = f"export const {definition.short_name} = {{"
     words = f"The constants of `{definition.name}`."
     return [*documentation(words), head, *inner, "} as const;"]

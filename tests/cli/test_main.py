@@ -381,10 +381,13 @@ def test_an_unknown_type_is_one_sentence_with_the_closest_one(form, name, close)
     [
         (
             "twist",
-            "'twist' is no type: expected pkg/msg/Name, pkg/srv/Name, pkg/action/Name, ",
+            "'twist' is not a valid type: expected pkg/msg/Name, pkg/srv/Name, pkg/action/Name, ",
         ),
-        ("std_srvs/srv/setbool", "'std_srvs/srv/setbool' is no service type: expected pkg/srv/"),
-        ("a/action/b", "'a/action/b' is no action type: expected pkg/action/Name"),
+        (
+            "std_srvs/srv/setbool",
+            "'std_srvs/srv/setbool' is not a valid service type: expected pkg/srv/",
+        ),
+        ("a/action/b", "'a/action/b' is not a valid action type: expected pkg/action/Name"),
     ],
 )
 def test_an_unknown_type_is_one_sentence(form, reason):

@@ -87,7 +87,7 @@ def test_undefined_is_null():
         (b"\xff", "a simple value other than false, true, null and undefined"),
         (b"\xe0", "a simple value other than"),
         (b"\x1c", "of a reserved kind"),
-        (b"\xa1\x01\x01", "a key that is no text, at byte 1"),
+        (b"\xa1\x01\x01", "a key that is not text, at byte 1"),
         (b"\xa2\x61a\x01\x61a\x02", "a key twice in one map, at byte 4"),
         (b"\x3b\x80" + b"\0" * 7, "an integer below -2**63"),
         (cbor2.dumps(cbor2.CBORTag(0, "2026-11-23T00:00:00Z")), "tag 0, known are those of typed"),
@@ -95,9 +95,9 @@ def test_undefined_is_null():
         (cbor2.dumps(cbor2.CBORTag(65, b"\0\1")), "tag 65, known are"),
         (b"\xd8\x55\x44\0\0\0", "it ends within a string of 4 bytes"),
         (b"\xd8\x55\x43\0\0\0", "a typed array of 3 bytes for numbers of 4"),
-        (b"\xd8\x55\x80", "a typed array that is no byte string"),
-        (b"\xd8\x55", "a typed array that is no byte string"),
-        (b"\xd8\x55" * 2000 + b"\x40", "a typed array that is no byte string"),
+        (b"\xd8\x55\x80", "a typed array that is not a byte string"),
+        (b"\xd8\x55", "a typed array that is not a byte string"),
+        (b"\xd8\x55" * 2000 + b"\x40", "a typed array that is not a byte string"),
     ],
 )
 def test_unsupported_items_are_refused_with_their_place(data, words):
@@ -113,7 +113,7 @@ def test_maps_and_arrays_nest_as_deep_as_json():
     for data in (b"\x81" + deep, b"\x81" * 100_000, b"\xa1\x61a" * 100_000):
         with pytest.raises(CborError, match="frame nests deeper than 5 levels"):
             loads(data, max_depth=5)
-    assert loads(b"\x82" + deep[1:] * 2, max_depth=5) == [[[[[1]]]]] * 2  # beside each other
+    assert loads(b"\x82" + deep[1:] * 2, max_depth=5) == [[[[[1]]]]] * 2  # next to each other
 
 
 def test_items_are_bounded():

@@ -195,7 +195,7 @@ def decoded(picture):
 
 
 def seen(picture):
-    """What a viewer sees, as RGB."""
+    """The image that a viewer sees, as RGB."""
     pixels = decoded(picture)
     return grey_as_rgb(pixels) if pixels.ndim == 2 else swapped(pixels)
 
@@ -450,7 +450,7 @@ def test_depth_outside_the_range_is_clamped_to_it(encoding, range_m, metres, gre
     assert picture.depth_range_m == range_m
     shown = decoded(picture)[8, 8::16].astype(int)
     assert np.abs(shown - greys).max() <= 1
-    assert (shown > 0).tolist() == [depth > 0 for depth in metres]  # 0 is no measurement
+    assert (shown > 0).tolist() == [depth > 0 for depth in metres]  # 0 means no measurement
 
 
 NO_MEASUREMENTS = [0.0, -0.0, np.nan, np.inf, -np.inf, -1.0, 1e-40]

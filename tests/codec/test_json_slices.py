@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is written in slices is what one call writes, byte for byte."""
+"""Writing in slices and writing in one call give the same bytes."""
 
 import struct
 from collections.abc import Generator

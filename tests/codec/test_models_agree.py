@@ -55,7 +55,7 @@ def odd(rng):
 
 
 def change(value, rng):
-    """Make one thing in a value odd: replace it, drop it, or add an odd one beside it."""
+    """Make one thing in a value odd: replace it, drop it, or add an odd one next to it."""
     found = list(places(value))
     if not found:
         value[rng.choice(["x", "data"])] = odd(rng)

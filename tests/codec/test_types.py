@@ -162,7 +162,7 @@ def test_an_invalid_service_type_name_raises_unknown_type_error(types, name):
     types.action(FIBONACCI)  # knowing it must make no difference
     with pytest.raises(UnknownTypeError) as caught:
         types.service(name)
-    assert str(caught.value) == f"{name!r} is no service type name: expected pkg/srv/Name"
+    assert str(caught.value) == f"{name!r} is not a valid service type name: expected pkg/srv/Name"
 
 
 @pytest.mark.parametrize("name", ["Fibonacci", SET_BOOL, f"{FIBONACCI}_Goal"])
@@ -170,7 +170,9 @@ def test_an_invalid_action_type_name_raises_unknown_type_error(types, name):
     types.service(SET_BOOL)
     with pytest.raises(UnknownTypeError) as caught:
         types.action(name)
-    assert str(caught.value) == f"{name!r} is no action type name: expected pkg/action/Name"
+    assert (
+        str(caught.value) == f"{name!r} is not a valid action type name: expected pkg/action/Name"
+    )
 
 
 def test_a_service_or_an_action_that_is_not_installed_raises_unknown_type_error(types):

@@ -69,7 +69,7 @@ def test_types_are_chosen_by_name_or_number():
         ({"rate_hz": math.nan}, "rate_hz nan"),
         ({"rate_hz": 1000.1}, "up to 1000 Hz"),
         ({"types": (9999,)}, "no number 9999"),
-        ({"types": ("nonsense",)}, "'nonsense' is no message type"),
+        ({"types": ("nonsense",)}, "'nonsense' is not a valid message type"),
     ],
 )
 def test_wrong_options_are_refused_in_words(options, words):

@@ -38,9 +38,9 @@ def test_the_guess_is_for_what_is_missing_not_for_what_nests_it(tmp_path: Path) 
 def test_an_invalid_type_name_is_refused_with_a_suggestion() -> None:
     error = TypeNameError("'twist' is no message type", "twist")
     assert str(bad_type(error, InstalledDefinitions())) == (
-        "type: 'twist' is no message type; did you mean geometry_msgs/msg/Twist?"
+        "type: 'twist' is not a valid message type; did you mean geometry_msgs/msg/Twist?"
     )
-    error = TypeNameError("'set_bool' is no service type", "set_bool", "srv")
+    error = TypeNameError("'set_bool' is not a valid service type", "set_bool", "srv")
     assert str(bad_type(error, InstalledDefinitions())).endswith("mean std_srvs/srv/SetBool?")
 
 

@@ -40,7 +40,7 @@ class MadeClasses(MessageClasses):
 
 
 class World(Protocol):
-    """What goes on outside the gateway."""
+    """The nodes outside the gateway."""
 
     def add_publisher(self, topic: str, type_name: str, qos: Qos | None = None) -> Publisher: ...
 

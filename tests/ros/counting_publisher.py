@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Publish 0, 1, 2, ... on ``/scan`` at 2 kHz, reliably, until killed: in a process of its own.
+"""Publish 0, 1, 2, ... on ``/scan`` at 2 kHz, reliably, until killed, in a separate process.
 
 It discovers a new subscription only while messages are on the way.
 """

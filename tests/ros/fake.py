@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS in memory: the port without DDS, and the outside world to drive it with.
 
-What goes in comes out within a few turns of the event loop. `test_contract.py` holds it to
+Messages that go in come out within a few turns of the event loop. `test_contract.py` holds it to
 what the real one does.
 """
 
@@ -225,7 +225,7 @@ class FakeWatch:
 
 
 class FakeRos:
-    """The port. What is public beyond it is for tests to look at and to drive."""
+    """The port. Further public members are for tests to look at and to drive."""
 
     def __init__(
         self,
@@ -417,7 +417,7 @@ class FakeRos:
     def add_publisher(
         self, topic: str, type_name: str, qos: Qos | None = None, node: str = "/outside"
     ) -> FakePublisher:
-        """Add a publisher. What *qos* leaves open gets the defaults of ROS."""
+        """Add a publisher. Members that *qos* leaves open get the defaults of ROS."""
         offered = complete_offer(qos or Qos())
         publisher = FakePublisher(
             self, topic, type_name, offered, node, deque(maxlen=offered.depth or _MAX_RETAINED)
@@ -491,7 +491,7 @@ class FakeRos:
         self.changed()
         return server
 
-    # What its parts need
+    # For its parts
 
     def is_own(self, node: str) -> bool:
         return node.startswith(f"/{self.prefix}_")

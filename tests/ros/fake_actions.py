@@ -50,7 +50,7 @@ class FakeActionServer:
 
 @dataclass(eq=False)
 class FakeGoalRequest:
-    """What a server gets."""
+    """A goal at its server."""
 
     server: FakeActionServer
     goal: "FakeGoal"
@@ -83,7 +83,7 @@ class FakeGoalRequest:
 
 @dataclass(eq=False)
 class FakeGoal:
-    """What a client has of a goal."""
+    """A goal at its client."""
 
     client: "FakeActionClient"
     cdr: bytes
@@ -175,5 +175,5 @@ class FakeActionClient:
                 goal.server = servers[0]
                 self.ros.loop.call_soon(goal.server.arrive, goal)
             elif goal.server is not None and goal.server not in self.ros.action_servers:
-                # in a turn of its own: a result that was given before is on its way
+                # in a separate turn: a result that was given before is on its way
                 self.ros.loop.call_soon(goal.fail, f"action {self.name} has gone")

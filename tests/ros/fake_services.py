@@ -57,7 +57,7 @@ class FakeCall:
 
 @dataclass(eq=False)
 class FakeRequest:
-    """What a server gets."""
+    """A request at its server."""
 
     server: FakeService
     call: FakeCall
@@ -110,7 +110,7 @@ class FakeClient:
                 call.server = servers[0]
                 self.ros.loop.call_soon(call.server.arrive, call)
             elif call.server is not None and call.server not in self.ros.services:
-                # in a turn of its own: an answer that was given before is on its way
+                # in a separate turn: an answer that was given before is on its way
                 self.ros.loop.call_soon(_fail, call.response, f"service {self.name} has gone")
 
     @property

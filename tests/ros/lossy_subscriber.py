@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Subscribe to ``/t`` by the gateway's port, best effort, and print what is heard and told of it.
 
-Run it as a program: whoever stops the process for a moment has DDS lose messages on any machine.
+Run it as a program: if you stop the process for a moment, DDS loses messages on any machine.
 """
 
 import asyncio

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Nodes of the tests' own process, in which the gateway under test may run, too."""
+"""Nodes of the tests' own process, in which the gateway under test may also run."""
 
 from typing import Any
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rest of the robot: a node of its own context in this process, by plain rclpy."""
+"""The rest of the robot: a node with a separate context in this process, by plain rclpy."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -56,7 +56,8 @@ class Outside:
         # triggered, it has the executor look at everything once more
         self._guard = self.node.create_guard_condition(lambda: None)
         self._actions: list[OutsideActionClient | OutsideActionServer] = []
-        # whether a server has discovered the clients of a service. Who has the server can tell
+        # whether a server has discovered the clients of a service. The process that has the server
+        # can tell
         self.is_known: Callable[[str], bool] = lambda service: True
 
     def add_publisher(self, topic: str, type_name: str, qos: Qos | None = None) -> OutsidePublisher:

@@ -21,7 +21,7 @@ ACTION_SERVICES = ("send_goal", "get_result", "cancel_goal")
 
 
 class LockedActionClient(ActionClient):
-    """rclpy's client, for a thread beside the executor's.
+    """rclpy's client, for another thread than the executor's.
 
     rclpy 7.1 sends a request and notes then that it waits for the response: one that the executor
     takes in between, as it may on a busy machine, is thrown away. Of services it locks both.
@@ -100,7 +100,7 @@ class OutsideActionServer:
         if self._server is not None:
             self._server.destroy()
             self._server = None
-            self.wake()  # what the executor waits for is not destroyed yet
+            self.wake()  # entities that the executor waits for are not destroyed yet
 
     def _decide(self, goal: Any) -> GoalResponse:
         until_known(self._node, *self._services)

@@ -15,7 +15,7 @@ from rclpy.task import Future
 from gateway.ports import Request
 from gateway.ros.interfaces import service_class
 
-KNOWN_S = 3  # a client that has gone meanwhile is not waited for any longer
+KNOWN_S = 3  # a client that has gone is no longer waited for
 
 
 async def arrived(future: Any) -> Any:

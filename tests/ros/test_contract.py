@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the router relies on, asked of the fake and of rclpy in both ways of taking samples."""
+"""The contract of the router with ROS: the fake and rclpy, in both ways of taking samples."""
 
 import asyncio
 import contextlib
@@ -36,7 +36,7 @@ def number(value: int) -> bytes:
 
 
 class Received:
-    """What a subscription delivered."""
+    """The messages that a subscription delivered."""
 
     def __init__(self) -> None:
         self.batches: list[list[Sample]] = []
@@ -266,7 +266,7 @@ async def test_a_topic_is_open_with_one_type_at_a_time(robot: Robot) -> None:
 async def test_a_topic_that_was_just_closed_may_have_another_type(robot: Robot) -> None:
     for type_name in (INT32, STRING) * 20:
         _, subscription = subscribe(robot, "/count", type_name)
-        await asyncio.sleep(0.005)  # whatever waits for messages waits for its, too
+        await asyncio.sleep(0.005)  # the others also wait for messages
         subscription.close()
 
 
@@ -457,7 +457,7 @@ async def test_the_first_to_name_the_type_gets_each_latched_sample_once_and_in_o
     publisher = robot.world.add_publisher("/map", INT32, replace(LATCHED, depth=100))
     for value in range(100):
         publisher.publish(number(value))
-        await asyncio.sleep(0.001)  # the subscription is discovered and replaced meanwhile
+        await asyncio.sleep(0.001)  # the subscription is discovered and replaced in this time
     await eventually(lambda: number(99) in received.cdrs)
     assert subscription.qos.durability == "transient_local"
     assert received.cdrs == [number(value) for value in range(100)]

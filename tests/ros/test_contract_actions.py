@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the router relies on of actions, asked of the fake and of rclpy in both ways of taking."""
+"""The contract of the router for actions: the fake and rclpy, in both ways of taking."""
 
 import asyncio
 import struct
@@ -46,7 +46,7 @@ def ignore(*_: object) -> None: ...
 
 
 class Provider:
-    """What an action server is asked for."""
+    """The requests to an action server."""
 
     def __init__(self) -> None:
         self.goals: list[GoalRequest] = []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the router relies on of services, asked of the fake and of rclpy in both ways of taking."""
+"""The contract of the router for services: the fake and rclpy, in both ways of taking."""
 
 import asyncio
 import contextlib
@@ -227,7 +227,7 @@ async def test_no_request_comes_after_close(robot: Robot) -> None:
 
 async def test_a_service_that_closes_answers_what_has_arrived(robot: Robot) -> None:
     client = robot.world.add_client("/arm", SET_BOOL)
-    # What arrives after the close is answered by nobody, and which that is DDS decides.
+    # Requests that arrive after the close get no answer, and DDS decides which these are.
     most = 0
     while most < 2:
         most = max(most, await answers_while_closing(robot, client))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is closed stays until its last words are heard, and is in nobody's way meanwhile."""
+"""A closed entity stays until its last messages are heard, and disturbs no other until then."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -106,7 +106,7 @@ async def test_advertising_again_goes_on_with_the_same_publisher(ros: RclpyRos) 
     publisher.close()
     again = ros.advertise("/a", INT32, Qos(), lambda _: None)
     assert publishers(ros, "/a") == [before]
-    again.close()  # without a word of its own
+    again.close()  # without a message
     assert publishers(ros, "/a") == [before]
     await eventually(lambda: publishers(ros, "/a") == [])
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What becomes of rclpy's exceptions."""
+"""Translation of rclpy's exceptions."""
 
 import warnings
 

@@ -115,7 +115,7 @@ def test_an_idle_executor_answers_each_time(
 
 
 class AnswersMeanwhile(ExecutorThread):
-    """Asked long ago. Answers as soon as somebody looks."""
+    """Asked long ago. Answers as soon as it is looked at."""
 
     answers: Iterator[float | None] = iter(())
 

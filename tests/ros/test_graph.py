@@ -207,7 +207,7 @@ async def test_a_wait_that_fails_is_logged_once_and_followed_by_looking(
     calls: list[None] = []
     changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: calls.append(None))
     waits.changes.release()
-    await eventually(lambda: bool(calls))  # what may have changed meanwhile
+    await eventually(lambda: bool(calls))  # it reports changes of this time
     calls.clear()
     outside.add_publisher("/count", INT32)
     await eventually(lambda: bool(calls))

@@ -27,10 +27,10 @@ class Reader:
     ("numbers", "lost"),
     [
         ([1, 2, 3], 0),
-        ([70, 71], 0),  # what was published before it came is not lost
+        ([70, 71], 0),  # earlier samples are not lost
         ([1, 2, 5], 2),
         ([5, 7, 9], 2),
-        ([8, 9, 1, 2], 0),  # the publisher was started anew
+        ([8, 9, 1, 2], 0),  # the publisher was started again
         ([8, 9, 1, 4], 2),
         ([None, None, None], 0),  # a middleware without numbers
     ],

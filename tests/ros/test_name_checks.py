@@ -42,14 +42,14 @@ def test_an_action_leaves_room_for_the_names_of_its_parts() -> None:
     ],
 )
 def test_a_refusal_says_what_a_name_looks_like(check: Callable[[str], None], words: str) -> None:
-    with pytest.raises(RosError, match=f"'a/' is no fully qualified {words}"):
+    with pytest.raises(RosError, match=f"'a/' is not a fully qualified {words}"):
         check("a/")
 
 
 @pytest.mark.parametrize("name", ["/a b", "/a\n", "/a/", "/a\0b", "/a-b", "/1a", "/ä", ""])
 @pytest.mark.parametrize("check", [check_topic, check_service, check_action])
 def test_nothing_else_stands_in_a_name(check: Callable[[str], None], name: str) -> None:
-    with pytest.raises(RosError, match="is no fully qualified"):
+    with pytest.raises(RosError, match="is not a fully qualified"):
         check(name)
 
 
@@ -60,14 +60,14 @@ def test_a_type_name_is_split() -> None:
 
 
 def test_a_type_of_another_kind_is_refused() -> None:
-    with pytest.raises(RosError, match="is no service type name: expected pkg/srv/Name"):
+    with pytest.raises(RosError, match="is not a valid service type name: expected pkg/srv/Name"):
         split_type("std_msgs/msg/String", "srv")
-    with pytest.raises(RosError, match="is no message type name: expected pkg/msg/Name"):
+    with pytest.raises(RosError, match="is not a valid message type name: expected pkg/msg/Name"):
         split_type("std_srvs/srv/SetBool")
 
 
 @pytest.mark.parametrize("name", ["std_msgs/String", "a/msg/b", "../msg/String", "a.b/msg/C", ""])
 def test_an_invalid_type_name_is_refused(name: str) -> None:
-    with pytest.raises(RosError, match="is no message type name") as caught:
+    with pytest.raises(RosError, match="is not a valid message type name") as caught:
         split_type(name)
     assert caught.value.code == "bad_type"

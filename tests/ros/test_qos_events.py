@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What DDS counts, with publishers and subscriptions outside that miss what was promised."""
+"""The counts of DDS, with publishers and subscriptions outside that break their promises."""
 
 import asyncio
 import signal

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the gateway uses of rclpy and rcl beyond their documented API: runs before all other tests.
+"""The undocumented parts of rclpy and rcl that the gateway uses: runs before all other tests.
 
 A failure here says what has changed in rclpy, and explains the failures of other tests.
 """
@@ -262,7 +262,7 @@ def resident_kb() -> int:
 
 
 class NotASubscription(contextlib.nullcontext[None]):
-    """The handle of a subscription that is none: 4 KiB of zeros."""
+    """The handle of an invalid subscription: 4 KiB of zeros."""
 
     _zeros = ctypes.create_string_buffer(4096)
     pointer = ctypes.addressof(_zeros)
@@ -496,7 +496,7 @@ def private_names(node: ast.AST) -> list[str]:
             return [each for each in full_names if is_private(each)]
         case ast.Attribute(attr="handle" | "pointer" as attribute):
             return [f".{attribute}"]
-        # what begins with _ is one's own
+        # names that begin with _ are private
         case ast.Attribute(value=ast.Name(owner), attr=attribute) if owner not in {
             "self",
             "cls",

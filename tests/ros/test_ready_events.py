@@ -73,7 +73,7 @@ async def test_takes_are_counted_against_what_has_arrived_and_dds_can_have_kept(
     )
     assert not source.count_take()
     for _ in range(3):
-        source.notify_again()  # which is no arrival
+        source.notify_again()  # which does not count as an arrival
     os.eventfd_write(callbacks.fd, 2)
     assert [source.count_take() for _ in range(4)] == [True, True, False, False]
     os.eventfd_write(callbacks.fd, 5000)

@@ -49,7 +49,7 @@ def samples_of(node: Node) -> Samples:
 
 
 class Flood:
-    """A publisher that never pauses, in a thread of its own."""
+    """A publisher that never pauses, in a separate thread."""
 
     def __init__(self, publisher: OutsidePublisher) -> None:
         self._publisher = publisher
@@ -200,7 +200,7 @@ async def test_a_flood_leaves_the_loop_to_others(
         turns += 1
         await asyncio.sleep(0)
     assert max(batches) <= MAX_TAKES_PER_TURN
-    assert turns >= 100  # every batch was followed by a turn of somebody else's
+    assert turns >= 100  # every batch was followed by another turn
     reader.close()
 
 
@@ -418,7 +418,7 @@ async def test_a_wait_set_does_not_tell_of_what_the_thread_is_taking(
         reader._take_large = lambda: (calls.append(1), take_large())  # type: ignore[method-assign]
         publisher.publish(text(100, b"a"))
         await held.has_begun()
-        await asyncio.sleep(0.2)  # a loop that is told again and again runs meanwhile
+        await asyncio.sleep(0.2)  # the loop runs although it is notified again and again
         assert len(calls) == 1
         for _ in range(10):
             held.let.release()

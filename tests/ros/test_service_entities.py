@@ -162,7 +162,7 @@ async def test_an_answer_to_a_client_that_has_gone_is_lost(ros: RclpyRos, outsid
     client = outside.add_client("/arm", SET_BOOL)
     await eventually(client._client.service_is_ready)
     client._client.call_async(client._class.Request())
-    await eventually(lambda: bool(requests))  # what is written just before the end may be lost
+    await eventually(lambda: bool(requests))  # a message just before the end may be lost
     client.close()
     requests[0].answer(response("late"))
     assert text_of(await ask_anew(ros, requests)) == "better"
@@ -295,7 +295,7 @@ async def test_a_service_may_be_closed_by_its_own_callback(ros: RclpyRos) -> Non
 
 
 def with_unreadable(take: Callable[[type], Any], count: int) -> Callable[[type], Any]:
-    """Take as *take* does, but for the first messages, which cannot be read.
+    """Take as *take* does, except for the first messages, which cannot be read.
 
     rclpy returns for them what it returns if there is no message.
     """

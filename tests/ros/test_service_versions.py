@@ -31,7 +31,7 @@ from tests.ros.test_contract_services import (
 REMEDY = "bring its package, or the folder in types.paths, to the same version everywhere"
 SAME = "bool data\n---\nbool success\nstring message\n"
 
-# what a test calls to have a gateway with other definitions
+# called by a test to get a gateway with other definitions
 Gateway = Callable[[str], RclpyRos]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Nodes with parameters, by plain rclpy, each in a context of its own."""
+"""Nodes with parameters, by plain rclpy, each in a separate context."""
 
 from typing import Any, Final
 

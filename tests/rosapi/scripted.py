@@ -49,7 +49,7 @@ class ScriptedNodes:
         self.parameters = Parameters(self.ros, self.types, self.calls)
 
     def offer(self, node: str, service: str, reply: Reply) -> None:
-        """Offer one of the parameter services. Where *reply* returns ``None``, it is silent."""
+        """Offer one of the parameter services. If *reply* returns ``None``, it is silent."""
         type_name = "".join(part.capitalize() for part in service.split("_"))
         type_ = self.types.service(f"rcl_interfaces/srv/{type_name}")
 

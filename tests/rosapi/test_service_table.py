@@ -11,7 +11,7 @@ from gateway.service_clients import ServiceClients
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from tests.ros.fake import FakeRos
 
-# what the contract lists, with the request that each takes
+# the services of the contract, with their requests
 ARGUMENTS: dict[str, dict[str, str]] = {
     "topics": {},
     "topics_for_type": {"type": "nav_msgs/msg/Odometry"},

@@ -110,11 +110,11 @@ def test_details_of_result_and_feedback_are_returned(services: TypeServices) -> 
 @pytest.mark.parametrize(
     ("type_name", "reason"),
     [
-        ("", "'' is no message type"),
-        ("Odometry", "'Odometry' is no message type"),
+        ("", "'' is not a valid message type"),
+        ("Odometry", "'Odometry' is not a valid message type"),
         ("Odometry", "did you mean nav_msgs/msg/Odometry?"),
         ("nav_msgs/Odometri", "did you mean nav_msgs/msg/Odometry?"),
-        ("std_srvs/srv/SetBool", "is no message type"),
+        ("std_srvs/srv/SetBool", "is not a valid message type"),
     ],
 )
 def test_an_invalid_message_type_is_an_error(

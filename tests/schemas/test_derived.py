@@ -40,7 +40,7 @@ def test_the_hash_of_whatever_is_derived_is_the_installed_one():
         assert set(derived.names()) == of_it
         for each in derived.names():
             assert computed_type_hash(derived.get(each), derived) == known[each]["hash"], each
-            if not each.endswith((name, "_SendGoal", "_GetResult")):  # those are no messages
+            if not each.endswith((name, "_SendGoal", "_GetResult")):  # those are not messages
                 assert DEFINITIONS.get(each) == derived.get(each)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What nodes tell of types. tests/e2e/test_learned_types.py asks real ones."""
+"""The types that nodes describe. tests/e2e/test_learned_types.py asks real ones."""
 
 from typing import Any
 
@@ -86,7 +86,7 @@ def test_a_source_that_says_something_else_is_not_used(text: str, encoding: str)
         (field(type_id=1, nested_type_name="a b"), "a my_msgs/msg/a has no literal"),
         (field() | {"name": "x\nint32"}, "line 2: '' is no field name"),
         (field() | {"name": "__import__('os')"}, "is no field name"),
-        (field(type_id=1, nested_type_name="a/b/c/d"), "is no type name"),
+        (field(type_id=1, nested_type_name="a/b/c/d"), "is not a valid type name"),
     ],
 )
 def test_an_invalid_message_is_refused_with_a_reason(told: dict[str, Any], words: str):

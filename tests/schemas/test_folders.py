@@ -216,7 +216,7 @@ def test_types_nest_64_levels_at_most(tmp_path: Path):
     for level in range(1, 66):
         write(tmp_path / f"my_msgs/msg/A{level}.msg", f"A{level - 1} a\n")
     definitions = InstalledDefinitions([], [tmp_path])
-    assert Types(definitions).get("my_msgs/msg/A64").encode({}, 0)  # what is made of it works
+    assert Types(definitions).get("my_msgs/msg/A64").encode({}, 0)  # the type works
     with pytest.raises(DefinitionError, match="my_msgs/msg/A65 nests types deeper than 64 levels"):
         definitions.closure(["my_msgs/msg/A65"])
 

@@ -14,7 +14,7 @@ DEFINITIONS = InstalledDefinitions()
 
 
 def idl_files():
-    """Return the installed types that have IDL beside their .msg, .srv or .action."""
+    """Return the installed types that have IDL next to their .msg, .srv or .action."""
     found = {}
     for name in DEFINITIONS.all_names():
         package, kind, short_name = name.split("/")
@@ -289,7 +289,7 @@ RENAME = "name modules and structs like the file"
         ("string<1 + 1> x;", "expected >, got +"),
         ("long x = 5;", "expected ;, got ="),
         ("long x, x;", "the second member x; rename it"),
-        ("long a__b;", "a__b is no name of a field in ROS; rename it"),
+        ("long a__b;", "a__b is not a valid field name in ROS; rename it"),
         ("long _x;", "expected a letter at the start of a name, as rosidl does; leave out the _"),
         ("@default(value=300) octet x;", "expected a value of byte, got 300"),
         ("@default(value=1.5) long x;", "expected a value of int32, got 1.5"),
@@ -335,7 +335,7 @@ def test_idl_that_rosidl_does_not_read_is_refused_with_a_way_out(member, reason)
         ("typedef struct A { octet x; } B;", NO_STRUCT),
         ("const a::msg::B X = 1;", "expected a number, a boolean or a string, got a/msg/B"),
         ("const sequence<long> X = 1;", "expected a number, a boolean or a string, got int32[]"),
-        ("const octet A__B = 1;", "A__B is no name of a constant in ROS; rename it"),
+        ("const octet A__B = 1;", "A__B is not a valid constant name in ROS; rename it"),
         ("const octet X = 'a';", "rosidl reads no literals of characters; write a number"),
         ("const octet X = -TRUE;", f"{A_VALUE}, got TRUE"),
         ("const octet X = 1; const octet X = 1;", "the second constant X; rename it"),
@@ -492,6 +492,6 @@ def test_an_error_is_short_whatever_the_names(body):
     ],
 )
 def test_a_file_as_large_as_may_be_is_refused_at_once(before, repeated, after):
-    # whoever takes more time than is proportional to it does not come to an end
+    # a reader that takes more than proportional time does not come to an end
     room = MAX_CHARACTERS - len(wrapped(before + after))
     assert fault(before + repeated * (room // len(repeated)) + after)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The installed definitions, compared with the descriptions that ROS installs beside them."""
+"""The installed definitions, compared with the descriptions that ROS installs next to them."""
 
 import difflib
 import errno

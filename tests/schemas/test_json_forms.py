@@ -16,7 +16,7 @@ OTHERS = st.sampled_from([-1, 256, 256.0, 2**64, True, False, 1.5, "1", None, [1
 @example([], None, [])
 @example([0] * 99_999, 256, [])
 def test_the_first_item_that_is_not_an_octet_is_named(before, wrong, after):
-    with pytest.raises(OctetsError, match=f"^item {len(before)} is no integer from 0 to 255$"):
+    with pytest.raises(OctetsError, match=f"^item {len(before)} is not an integer from 0 to 255$"):
         octets([*before, wrong, *after])
 
 

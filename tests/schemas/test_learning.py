@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is taken over of what nodes tell."""
+"""The types that are learned from nodes."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -85,7 +85,7 @@ def test_a_nested_type_that_was_not_told_is_named(definitions: InstalledDefiniti
         ({LAMP: "Lamp lamp\n"}, f"{LAMP} nests itself"),
         ({LAMP: "Bulb bulb\n", BULB: "Lamp lamp\n"}, "nests itself"),
         ({LAMP: "uint64[1000000000] x\n"}, "over 50000 values"),
-        ({LAMP: "bool on\n", "../../etc": ""}, "'../../etc' is no message type name"),
+        ({LAMP: "bool on\n", "../../etc": ""}, "'../../etc' is not a valid message type name"),
     ],
 )
 def test_too_many_definitions_are_refused(
@@ -121,7 +121,7 @@ def test_the_number_of_learned_types_is_bounded(definitions: InstalledDefinition
         tell(definitions, BULB, {BULB: "bool on\n"})
     tell(definitions, LAMP, {LAMP: "bool off\n"})  # instead of the former
     monkeypatch.setattr(learning, "MAX_TOLD_CHARACTERS", 20)
-    with pytest.raises(DefinitionError, match="20 characters in all; start the gateway anew"):
+    with pytest.raises(DefinitionError, match="20 characters in all; restart the gateway"):
         tell(definitions, LAMP, {LAMP: "bool on # and a long comment\n"})
 
 

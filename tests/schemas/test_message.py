@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the models take from clients, and what they refuse."""
+"""Values of clients that the models accept, and others that they refuse."""
 
 import base64
 import math
@@ -255,12 +255,12 @@ def test_base64_in_lines_is_taken_up_to_4_mib():
     most = lines * (4 * 1024**2 // len(lines))
 
     assert CompressedImage.model_validate({"data": most}).data
-    assert refusal(CompressedImage, {"data": most + lines * 4})[2] == "text is no valid base64"
+    assert refusal(CompressedImage, {"data": most + lines * 4})[2] == "text is not valid base64"
 
 
 @pytest.mark.parametrize("sent", ["QQ", "QQ=", "QQ\n", "Q-__", "ä", "====", "A", "QQ\0=="])
 def test_text_that_is_not_strict_base64_is_refused(sent):
-    assert refusal(CompressedImage, {"data": sent})[1:] == ("octets", "text is no valid base64")
+    assert refusal(CompressedImage, {"data": sent})[1:] == ("octets", "text is not valid base64")
 
 
 @pytest.mark.parametrize("bad", [256, -1, 1.5, True, "1", None])
@@ -268,7 +268,7 @@ def test_octets_in_a_list_are_integers_and_the_first_bad_one_is_named(bad):
     assert refusal(CompressedImage, {"data": [0, 255, bad, bad]}) == (
         ("data",),
         "octets",
-        "item 2 is no integer from 0 to 255",
+        "item 2 is not an integer from 0 to 255",
     )
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The message table."""
+"""The list of message types."""
 
 import pytest
 

@@ -46,7 +46,7 @@ def test_defaults_and_comments_do_not_change_the_hash():
     assert computed_type_hash(plain, definitions) != computed_type_hash(other, definitions)
 
 
-# All that a field can be in IDL, as type_description_interfaces/msg/FieldType lists it, but for
+# All that a field can be in IDL, as type_description_interfaces/msg/FieldType lists it, except
 # what rosidl makes no code for.
 SINGLE = (
     "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float", "double",
@@ -68,7 +68,7 @@ def every_field() -> str:
         f"{form.format(kind=kind, number=number)} m{place}_{number};"
         for place, form in enumerate(forms)
         for number, kind in enumerate(SINGLE)
-        # of which rosidl takes the bound of the text for that of the sequence, too
+        # of which rosidl also takes the bound of the text for that of the sequence
         if (form, kind) != ("sequence<{kind}>", "wstring<5>")
     ]
     text = EVERY_FIELD.replace("TYPEDEFS", "\n".join(typedefs))

@@ -110,7 +110,7 @@ def test_without_a_time_it_is_the_newest_that_all_frames_have(robot: Buffer):
     moved(robot, "base_link", "odom", 3, 30)
     found = robot.lookup("map", "base_link")
     assert (found.stamp_ns, found.transform) == (2 * SECOND, at(120))
-    # what lies above both does not matter
+    # frames above both do not matter
     found = robot.lookup("odom", "base_link")
     assert (found.stamp_ns, found.transform) == (3 * SECOND, at(30))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is said of frames that nobody knows."""
+"""Errors about unknown frames."""
 
 import difflib
 

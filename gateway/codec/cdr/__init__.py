@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """CDR, the wire format of DDS, to values and back: straight-line code, compiled per type.
 
-The format is plain CDR, encoding version 1 (DDS-XTypes 1.3, 7.4.3, what ROS 2 uses): a 4-byte
-encapsulation header, then every primitive aligned to its size, counted from after the header.
+ROS 2 uses plain CDR, encoding version 1 (DDS-XTypes 1.3, 7.4.3). A 4-byte encapsulation header
+comes first. Then every primitive is aligned to its size, counted from after the header.
 """
 
 from gateway.codec.cdr.decoder import Decoder, Transcoder, compile_decoder, compile_transcoder

@@ -13,7 +13,7 @@ from schemas.json_forms import MAX_WHOLE, NumberArray, octets
 
 Array = npt.NDArray[Any]
 
-_INT8: Final = "int8"  # one byte, too: base64 and bytes are read as such
+_INT8: Final = "int8"  # also one byte: base64 and bytes are read as such
 
 
 def packed(value: object, base: str) -> memoryview:

@@ -7,7 +7,7 @@ from typing import Final, NoReturn
 from gateway.codec.cdr.layout import Elements, Member, Numbers, Text
 from gateway.codec.errors import CodecError
 
-# 20,000 points. What a client leaves out takes time, too, and counts. See `count_fields`.
+# 20,000 points. Fields that a client leaves out also take time and count. See `count_fields`.
 MAX_FIELDS: Final = 60_000
 MAX_CDR_BYTES: Final = 16 * 1024**2  # only what is left out makes CDR longer than its JSON
 

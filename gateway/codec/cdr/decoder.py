@@ -57,10 +57,11 @@ def compile_decoder(
 ) -> Decoder:
     """Compile a function from CDR, encapsulation header included, to a dict.
 
-    The dict has the fields in the order of the definition: messages as dicts, arrays as
-    lists, tuples or numpy views on the bytes, octet arrays as base64 (or, ``raw``, as
-    memoryviews), a float32 as a `numpy.float32`, non-finite floats unchanged. Like rclpy, it ends
-    a string at its first NUL and replaces invalid UTF-8: one sloppy node must not silence a topic.
+    The dict has the fields in the order of the definition. Messages are dicts. Arrays are
+    lists, tuples or numpy views on the bytes, octet arrays are base64 (or, ``raw``,
+    memoryviews). A float32 is a `numpy.float32`, non-finite floats are unchanged. As in rclpy, it
+    ends a string at its first NUL and replaces invalid UTF-8: one sloppy node must not silence a
+    topic.
 
     With *fields* (dotted paths) the dict holds only these, and reading stops after the last one.
 
@@ -137,9 +138,9 @@ def _too_long(path: str, count: int, bound: int, offset: int) -> CodecError:
 class _DecoderWriter(Generic[Value]):
     """Writes the source of one decoder.
 
-    Its variables: ``data`` and its ``size``. ``offset``, the position of the next read.
-    ``length``, the bytes of the run at ``offset``. ``count`` of the next array or string, and its
-    ``end``.
+    It uses the variables ``data`` and its ``size``, and ``offset``, the position of the next read.
+    ``length`` has the bytes of the run at ``offset``, ``count`` and ``end`` are those of the next
+    array or string.
     """
 
     def __init__(
@@ -152,7 +153,7 @@ class _DecoderWriter(Generic[Value]):
         self._source = SourceCode()
         self._slots: list[Slot] = []
         self._targets: list[str] = []
-        # the float32 of the run: the variable of their bytes. Those of each, or none for an array
+        # the float32 of the run: the variable of their bytes, and those of each (none for an array)
         self._floats: list[tuple[str, list[str]]] = []
         self._residue: int | None = 0  # of the offset modulo 8, if known
 

@@ -31,7 +31,7 @@ def default_elements(member: Elements) -> list[Any]:
 
 
 class DefaultBytes(dict[int, bytes]):
-    """The CDR of an element without fields of its own, by its offset modulo 8."""
+    """The CDR of an element without fields, by its offset modulo 8."""
 
     def __init__(self, members: Sequence[Member]) -> None:
         super().__init__()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Decoded JSON to CDR, checked on the way.
 
-A client decides what a message costs, so it costs in proportion to what the client wrote: no
-object is made per message, an empty element is a run of bytes that is known already, and a bound
+A client decides what a message costs, so the cost is in proportion to what the client wrote. No
+object is made per message, and an empty element is a run of bytes that is known already. A bound
 on fields and on bytes is checked before each element.
 """
 
@@ -55,7 +55,7 @@ def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -
     """Compile a function from a decoded JSON object to little-endian CDR, header included.
 
     It takes what `schemas.message.Message` describes, and the ROS time for ``"now"`` and for
-    headers without a stamp. For a float it takes what `NON_FINITE` names, too, for an integer a
+    headers without a stamp. For a float it also takes what `NON_FINITE` names, for an integer a
     float that is one (`whole`). Padding is zero. A value that does not fit raises one of `MISFITS`,
     without saying where. `gateway.codec.validation` does.
 
@@ -318,7 +318,7 @@ class _EncoderWriter:
 
     def _expect_known(self, definition: Definition, name: str) -> None:
         """Write the check that a message has no unknown fields."""
-        test = f"{name} != EMPTY"  # without fields, nothing else finds out that it is no object
+        test = f"{name} != EMPTY"  # without fields, nothing else finds out that it is not an object
         if definition.fields:
             names = frozenset(field.name for field in definition.fields)
             known = self._source.constant("FIELDS", names, definition.name)
@@ -326,7 +326,7 @@ class _EncoderWriter:
         self._raise_misfit_if(test)
 
     def _expect_list(self, name: str, length: int | None) -> None:
-        # a string or an object has a length and elements, too
+        # a string or an object also has a length and elements
         test = f"type({name}) is not list"
         self._raise_misfit_if(test if length is None else f"{test} or len({name}) != {length}")
 

@@ -183,7 +183,7 @@ def _of_field(
 
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """A part of a run: a struct code and its count; values, their bytes, or padding."""
+    """A part of a run, with a struct code and its count: values, their bytes, or padding."""
 
     code: str
     count: int = 1

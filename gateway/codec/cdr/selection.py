@@ -39,7 +39,7 @@ def _add(
             raise FieldError(f"unknown field {path}: {reached} is {field.type}, it has no fields")
         definition = definitions.get(field.type.base)
         below = tree.setdefault(name, {})
-        if below is None:  # an earlier path selects all of it, but this one must exist, too
+        if below is None:  # an earlier path selects all of it, but this one must also exist
             below = {}
         tree = below
     _field(definition, last, path)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""CDR of large messages to values or CBOR, by generators: whoever runs one can pause it."""
+"""CDR of large messages to values or CBOR, by generators, which the caller can pause."""
 
 from collections.abc import Callable, Generator, Iterable, Sequence
 from typing import TypeAlias
@@ -20,10 +20,10 @@ SlicedTranscoder: TypeAlias = Callable[[Cdr], Generator[bytes, None, Sequence[Pi
 def compile_sliced_decoder(
     definition: Definition, definitions: InstalledDefinitions, fields: Iterable[str] | None = None
 ) -> SlicedDecoder:
-    """Compile a decoder for large messages, as a generator: whoever runs it can pause it.
+    """Compile a decoder for large messages, as a generator, which the caller can pause.
 
-    It yields empty pieces and returns the dict, for `json_slices`: octet arrays are views, and
-    arrays of messages or strings are JSON already, written by a function that it is given.
+    It yields empty pieces and returns the dict, for `json_slices`. Octet arrays are views. Arrays
+    of messages or strings are JSON already, written by a function that it is given.
 
     Raises:
         FieldError: a name in *fields* is not a field.

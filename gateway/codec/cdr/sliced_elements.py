@@ -11,7 +11,7 @@ from typing import Final, Self
 
 from gateway.codec.json_slices import Write, WrittenArray, element_slices
 
-# Decoded before they are written: some 0.1 ms.
+# Decoded before they are written: about 0.1 ms.
 CHUNK_ELEMENTS: Final = 64
 
 

@@ -113,7 +113,7 @@ class Cbor:
 
 
 class SlicedCbor(Cbor):
-    """Makes one CBOR item, too, but in slices, and leaves the pieces of the message apart."""
+    """Makes one CBOR item in slices, and leaves the pieces of the message apart."""
 
     pauses = True
     elements = "CborElements()"

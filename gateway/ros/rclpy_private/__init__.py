@@ -13,7 +13,7 @@ context managers they keep rcl's object alive, and ``pointer`` is its address in
     "publication_sequence_number": ...})``. rclpy's own way to a sample is an executor. Without it:
     no subscriptions.
 ``Publisher.handle.publish_raw(bytes)``
-    `rclpy.publisher.Publisher.publish` takes bytes, too, after checks in Python.
+    `rclpy.publisher.Publisher.publish` also takes bytes, after checks in Python.
 ``Client.handle.send_request(request)``
     Returns the request's number. Without it, or without one of the next three: no services, no
     actions, no parameters. rclpy's own way needs an executor (see `gateway.ros.endpoints`).
@@ -23,12 +23,12 @@ context managers they keep rcl's object alive, and ``pointer`` is its address in
 ``Service.handle.service_take_request(type)``
     Returns ``(request, info)`` with ``info.request_id``, or ``(None, None)``, as above.
 ``Service.handle.service_send_response(response, request_id)``
-    Warns with the text `RESPONSE_TIMED_OUT` where rmw has waited for the client in vain.
+    Warns with the text `RESPONSE_TIMED_OUT` if rmw has not found the client in time.
 ``rclpy.impl.implementation_singleton.rclpy_implementation.EventHandle(handle, kind)``
-    With ``take_event()``, which returns what rcl has counted, and the change since the last call,
+    With ``take_event()``, which returns rcl's count and the change since the last call,
     and ``destroy_when_not_in_use()``. Raises ``UnsupportedEventTypeError`` where the middleware
     lacks a kind. rclpy's own way needs an executor. Without it: nobody hears of missed deadlines
-    and lost messages (`gateway.ros.qos_events`), and a robot that joins while somebody drives is
+    and lost messages (`gateway.ros.qos_events`), and a robot that joins while a client drives is
     noticed a little later.
 ``Clock.handle.get_now().nanoseconds``
     `rclpy.clock.Clock.now` returns the same, wrapped in a ``Time``.
@@ -46,7 +46,7 @@ Functions of ``librcl.so``, by ctypes. Each takes the address of an entity:
     Takes ``(subscription, rcl_serialized_message_t, rmw_message_info_t, NULL)`` and returns 0, or
     401 where nothing is there. The layouts of both structures, with the publisher's GUID, and
     ``rcutils_get_default_allocator``, ``rcutils_get_error_string`` and ``rcutils_reset_error`` of
-    ``librcutils.so``, go with it. Without them: ``take_message`` for large samples, too, with two
+    ``librcutils.so``, go with it. Without them: ``take_message`` also for large samples, with two
     more copies of each and the GIL held, and samples that come to two readers are delivered twice.
 ``rcl_node_get_graph_guard_condition``, ``rcl_wait_set_add_guard_condition``
     Without one of them: `gateway.ros.graph.GraphChanges` looks twice a second.
@@ -62,7 +62,7 @@ no ``RosOptions(taking="wait_set")``.
 ``rclpy.experimental.events_executor.EventsExecutor``
     Since Jazzy. Without it: ``SingleThreadedExecutor``, which looks at every entity at each turn.
 
-Five modules beside this package use what lies below rclpy (rmw, rosidl and the middleware). Their
+Five other modules use the layers below rclpy (rmw, rosidl and the middleware). Their
 docstrings list what they rely on: `gateway.ros.fast_dds` (functions of rcutils and rmw),
 `gateway.ros.type_supports` (structures of rosidl), `gateway.ros.fast_cdr` (functions of Fast CDR),
 and `gateway.ros.raw_messages` and `gateway.ros.made_types`, which use these three. Without them: no

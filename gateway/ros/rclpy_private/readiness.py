@@ -133,7 +133,7 @@ class EntityWaitSet:
     def wait(self, entities: Sequence[tuple[Kind, Any]]) -> Sequence[int]:
         """Wait until some are ready, or for `wake`. Return the indices of those that are ready.
 
-        What is destroyed by another thread is left out, or destroyed once the wait has ended.
+        Entities that another thread destroys are left out, or destroyed once the wait has ended.
         """
         kinds = Counter(kind for kind, _ in entities)
         wake = handle_of(self._wake)

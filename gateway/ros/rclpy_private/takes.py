@@ -56,7 +56,7 @@ class _MessageInfo(ctypes.Structure):  # rmw_message_info_t
     _fields_ = (
         ("source_ns", ctypes.c_int64),
         ("received_ns", ctypes.c_int64),
-        ("number", ctypes.c_int64),  # unsigned in C, and all ones where there is none
+        ("number", ctypes.c_int64),  # unsigned in C, and all ones if there is no number
         ("number_of_reception", ctypes.c_int64),
         ("implementation", ctypes.c_void_p),
         ("publisher", ctypes.c_uint8 * 16),  # its GUID

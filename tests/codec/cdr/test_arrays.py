@@ -64,7 +64,7 @@ def test_int8_takes_base64_and_bytes_as_uint8_does():
     numbers = np.frombuffer(data, np.int8).tolist()
     for value in (data, base64.b64encode(data).decode()):
         assert encoded("Int8", value) == encoded("Int8", numbers)
-    assert "msg.data: text is no valid base64" in str(encoded("Int8", "@@@"))
+    assert "msg.data: text is not valid base64" in str(encoded("Int8", "@@@"))
     assert "msg.data: expected an array, got a string" in str(encoded("Int16", "AAAA"))
 
 

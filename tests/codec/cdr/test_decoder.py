@@ -107,7 +107,7 @@ def test_a_truncated_message_raises_codec_error_with_its_offset(name):
             with pytest.raises(CodecError) as caught:
                 decode(cdr[:length])
             assert caught.value.offset is not None
-            assert caught.value.offset <= length + 4  # padding may be missing, too
+            assert caught.value.offset <= length + 4  # padding may also be missing
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -431,7 +431,7 @@ def test_a_char_of_idl_is_an_octet(tmp_path):
     )
     definitions = InstalledDefinitions([tmp_path])
     definition = definitions.get("p/msg/A")
-    # what rclpy serializes of A(x="R", xs=["2", "D"], ys=["a", "b", "c"]), with 0 as padding
+    # serialized by rclpy: A(x="R", xs=["2", "D"], ys=["a", "b", "c"]), with 0 as padding
     cdr = bytes.fromhex("0001000052000000020000003244616263")
     values = {"x": 82, "xs": "MkQ=", "ys": "YWJj"}
     assert normalized(compile_decoder(definition, definitions)(cdr)) == values

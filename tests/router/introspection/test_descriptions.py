@@ -81,7 +81,7 @@ async def test_a_service_that_nobody_provides_has_no_example(robot: Bench):
         ("/camera", "not_found", "called /camera; did you mean /camera/front/image_raw?"),
         ("/Odometry", "not_found", "; did you mean nav_msgs/msg/Odometry?"),
         ("/xyzzy", "not_found", "no topic, service or action is called /xyzzy"),
-        ("xyzzy", "bad_type", "is no message type: expected pkg/msg/Name"),
+        ("xyzzy", "bad_type", "is not a valid message type: expected pkg/msg/Name"),
         ("/" + "x" * 5000, "not_found", "..."),
     ],
 )

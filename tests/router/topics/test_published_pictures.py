@@ -143,7 +143,7 @@ async def test_pictures_of_the_gateway_can_be_sent_back(bench: Bench):
     [
         ({"data": "AAAA"}, "msg.data: data is neither JPEG nor PNG"),
         (message(np.zeros((4096, 3072, 3), np.uint8)), "has 37748736 bytes of pixels, at most"),
-        ({"data": "?"}, "msg.data: text is no valid base64"),
+        ({"data": "?"}, "msg.data: text is not valid base64"),
         ({"data": "", "encoding": "rgb8"}, "msg.encoding: unknown field of sensor_msgs/msg/Comp"),
         (5, "msg: expected an object, got 5"),
     ],

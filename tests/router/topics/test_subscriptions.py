@@ -149,7 +149,7 @@ async def test_a_topic_that_ros_refuses_is_not_counted(
     ("options", "code", "words"),
     [
         ({"type": "no/Such"}, "bad_type", "no definition of no/msg/Such"),
-        ({"type": "nonsense"}, "bad_type", "is no message type"),
+        ({"type": "nonsense"}, "bad_type", "is not a valid message type"),
         ({"type": 4711}, "bad_type", "no number 4711"),
         ({"type": STRING, "topic": "/a b"}, "bad_name", "is not a valid topic name"),
         ({"type": STRING, "fields": ["date"]}, "bad_request", "fields: "),

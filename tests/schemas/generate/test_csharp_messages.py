@@ -84,7 +84,7 @@ def test_a_member_has_its_type_and_its_default(generate, line, expected):
 def test_a_name_that_csharp_or_the_class_needs_makes_room_for_it(generate, name, expected):
     source = generate(f"int8 {name}\n")
     assert f"public sbyte {expected};" in source
-    assert f'"{name}"' in source  # what the wire has stays
+    assert f'"{name}"' in source  # the name on the wire stays
 
 
 def test_a_constant_makes_room_for_a_field_of_its_name(generate):
