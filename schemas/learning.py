@@ -26,7 +26,7 @@ def learn(
 ) -> None:
     """Add the definition of a type to *definitions*, and those of the types that it nests.
 
-    Installed packages keep theirs. *told* is as `described_definitions` returns it, *type_hash*
+    Installed packages keep theirs. *told* is as `described_definitions` returns it. *type_hash* is
     that of the type in the ROS graph. *in_use* has the hashes of types that have to stay as they
     are.
 

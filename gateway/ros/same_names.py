@@ -49,7 +49,7 @@ class SameNames:
     def look(self) -> None:
         """Begin to watch names that are shared now. Those watched already keep their time."""
         shared = self._shared()
-        self._warned &= shared  # no more than there are. Who comes back is warned of again
+        self._warned &= shared  # no more than there are. A name that comes back is reported again
         if (own := shared & self._own) and not self._warned & self._own:
             _warn(sorted(own))
         self._warned |= own

@@ -13,8 +13,8 @@ def open_node(name: str, context: Context, **options: Any) -> Node:
     """Create a node as on a robot, where the rest is in other processes than the gateway.
 
     The first node of a process decides for all that follow. Left to itself, Fast DDS 2.14 has
-    participants of one process call each other directly, and then, on a busy machine, one of them
-    may never hear of another's readers: a service, or an action, that never becomes ready.
+    participants of one process call each other directly. On a busy machine, one of them then may
+    never hear of another's readers: a service or an action never becomes ready.
     """
     with fast_dds.profile():
         return Node(name, context=context, **options)

@@ -23,8 +23,8 @@ ACTION_SERVICES = ("send_goal", "get_result", "cancel_goal")
 class LockedActionClient(ActionClient):
     """rclpy's client, for another thread than the executor's.
 
-    rclpy 7.1 sends a request and notes then that it waits for the response: one that the executor
-    takes in between, as it may on a busy machine, is thrown away. Of services it locks both.
+    rclpy 7.1 sends a request, and then notes that it waits for the response. On a busy machine the
+    executor may take a response in between, and throws it away. Of services it locks both.
     """
 
     def __init__(self, *args: Any, **options: Any) -> None:

@@ -59,9 +59,8 @@ def compile_decoder(
 
     The dict has the fields in the order of the definition. Messages are dicts. Arrays are
     lists, tuples or numpy views on the bytes, octet arrays are base64 (or, ``raw``,
-    memoryviews). A float32 is a `numpy.float32`, non-finite floats are unchanged. As in rclpy, it
-    ends a string at its first NUL and replaces invalid UTF-8: one sloppy node must not silence a
-    topic.
+    memoryviews). A float32 is a `numpy.float32`, non-finite floats are unchanged. A string ends
+    at its first NUL, and invalid UTF-8 is replaced: one sloppy node must not silence a topic.
 
     With *fields* (dotted paths) the dict holds only these, and reading stops after the last one.
 
