@@ -171,11 +171,11 @@ def _octets_of_text(text: str) -> bytes:
         return pybase64.b64decode(text, validate=True)
     except ValueError as error:
         if len(text) > MAX_BROKEN_TEXT or not text.isascii():
-            raise OctetsError("text is no valid base64") from error
+            raise OctetsError("text is not valid base64") from error
     try:
         return pybase64.b64decode(text.encode().translate(None, _WHITESPACE), validate=True)
     except ValueError as error:
-        raise OctetsError("text is no valid base64") from error
+        raise OctetsError("text is not valid base64") from error
 
 
 def _octets_of_array(numbers: npt.NDArray[Any]) -> bytes:

@@ -60,7 +60,7 @@ def reason_of(types, name, value):
          "msg.poses[1].position.x: expected a number, got an array"),
         (JPEG, {"data": 5}, "msg.data: expected base64 text or an array of integers"),
         (JPEG, {"data": "?"}, "msg.data: text is not valid base64"),
-        (JPEG, {"data": [1, 256]}, "msg.data: item 1 is no integer from 0 to 255"),
+        (JPEG, {"data": [1, 256]}, "msg.data: item 1 is not an integer from 0 to 255"),
     ],
 )  # fmt: skip
 def test_a_wrong_kind_is_named_with_path_and_expectation(types, name, value, reason):

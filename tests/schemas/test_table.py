@@ -178,12 +178,16 @@ def test_a_service_or_an_action_is_resolved_in_every_form(kind):
     ],
 )
 def test_an_invalid_service_type_is_refused_with_the_valid_forms(form):
-    with pytest.raises(TypeNameError, match="no service type: expected pkg/srv/Name or pkg/"):
+    with pytest.raises(
+        TypeNameError, match="not a valid service type: expected pkg/srv/Name or pkg/"
+    ):
         resolve_interface(form, "srv")
 
 
 def test_an_invalid_action_type_is_refused_with_the_valid_forms():
-    with pytest.raises(TypeNameError, match="no action type: expected pkg/action/Name or pkg/"):
+    with pytest.raises(
+        TypeNameError, match="not a valid action type: expected pkg/action/Name or pkg/"
+    ):
         resolve_interface("SetBool", "action")
 
 
