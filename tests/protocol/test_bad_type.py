@@ -36,7 +36,7 @@ def test_the_guess_is_for_what_is_missing_not_for_what_nests_it(tmp_path: Path) 
 
 
 def test_an_invalid_type_name_is_refused_with_a_suggestion() -> None:
-    error = TypeNameError("'twist' is no message type", "twist")
+    error = TypeNameError("'twist' is not a valid message type", "twist")
     assert str(bad_type(error, InstalledDefinitions())) == (
         "type: 'twist' is not a valid message type; did you mean geometry_msgs/msg/Twist?"
     )
