@@ -17,7 +17,7 @@ DEFINITIONS = InstalledDefinitions(folders=[SHIPPED])
 
 
 class Asking:
-    """A client of an action whose server is in this process, too; *poll* lets that answer."""
+    """A client of an action whose server is also in this process. *poll* lets that answer."""
 
     def __init__(self, watcher, type_name, form, name, poll):
         self.watcher = watcher
@@ -51,7 +51,7 @@ class Asking:
         return future.result()
 
     def goal(self, number, values=MappingProxyType({})):
-        """Send a goal; return whether it was accepted."""
+        """Send a goal. Return whether it was accepted."""
         return self.is_accepted(
             self.form.to_goal_request(goal_id(number), self._encode_goal(dict(values), 0))
         )

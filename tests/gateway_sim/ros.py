@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of real nodes share: a child process that runs one, and a node that watches."""
+"""Shared parts of the tests of real nodes: a child process for one, and a node that watches."""
 
 import os
 import signal
@@ -24,7 +24,7 @@ WITHOUT_PACKAGES = frozenset({"PYTHONPATH", "AMENT_PREFIX_PATH"})
 
 @contextmanager
 def child(code, number=signal.SIGINT, without=frozenset()):
-    """Run Python code in a process of its own, which a signal must end with exit code 0.
+    """Run Python code in a separate process, which a signal must end with exit code 0.
 
     It lacks the environment variables *without*.
     """
@@ -51,7 +51,7 @@ def child(code, number=signal.SIGINT, without=frozenset()):
 
 
 class Watcher:
-    """A node of the test's own; everything runs while the test waits."""
+    """A node of the test's own. Everything runs while the test waits."""
 
     def __init__(self, name):
         self._context = rclpy.Context()
@@ -75,7 +75,7 @@ class Watcher:
         return messages
 
     def until(self, condition, meanwhile=lambda: None, what="the condition"):
-        """Wait for a condition; call *meanwhile* 20 times a second."""
+        """Wait for a condition. Call *meanwhile* 20 times a second."""
         deadline = time.monotonic() + TIMEOUT_S
         while not condition():
             assert time.monotonic() < deadline, f"waited in vain for {what}"

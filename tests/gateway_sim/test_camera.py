@@ -49,7 +49,7 @@ def test_the_docks_rings_are_where_the_calibration_puts_them(camera, pose):
     picture = camera.draw(pose)
     bay = WORLD.bay
     board_centre = 0.1 + 0.62 / 2 - 0.08
-    across = 0.03  # beside the dark stripe in the middle
+    across = 0.03  # next to the dark stripe in the middle
     assert is_reddish(picture[pixel(pose, WORLD.x_max, bay.y + across, board_centre)])
     assert is_white(picture[pixel(pose, WORLD.x_max, bay.y + 0.08, board_centre)])
     assert is_reddish(picture[pixel(pose, WORLD.x_max, bay.y + 0.14, board_centre)])

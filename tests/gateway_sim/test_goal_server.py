@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An action with one goal at a time, as other nodes find it; with its package installed or not."""
+"""An action with one goal at a time, as other nodes find it, with or without its package."""
 
 import pytest
 from action_msgs.msg import GoalStatus

@@ -49,7 +49,7 @@ def test_every_made_up_message_of_idl_survives_the_wire(counter):
 
 
 class Letters:
-    """A class as rosidl makes it of a char of IDL; given no text, rclpy aborts the process."""
+    """A class as rosidl makes it of a char of IDL. Given no text, rclpy aborts the process."""
 
     def __init__(self, **members):
         self.members = members

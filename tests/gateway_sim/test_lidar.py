@@ -31,13 +31,13 @@ def test_the_scan_turns_with_the_robot():
     assert turned == pytest.approx(np.roll(straight, -90), abs=2 * NOISE)
 
 
-def test_what_is_too_far_is_infinite():
+def test_a_point_too_far_is_infinite():
     assert Lidar(ROOM).scan(Pose(0, 0, 0))[90] == math.inf
     assert Lidar(ROOM).scan(Pose(0, 9 - 3.4, 0))[90] == pytest.approx(3.4, abs=NOISE)
     assert Lidar(ROOM).scan(Pose(0, 9 - 3.6, 0))[90] == math.inf
 
 
-def test_what_is_too_near_is_negative_infinite():
+def test_a_point_too_near_is_negative_infinite():
     assert Lidar(ROOM).scan(Pose(-0.9, 0, 0))[180] == -math.inf
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The loop calls tasks in time and ends when told; its contexts share memory for pictures."""
+"""The loop calls tasks in time and ends when told. Its contexts share memory for pictures."""
 
 import os
 import signal

@@ -47,7 +47,7 @@ def test_a_topic_is_named_after_its_type(name, topic):
     assert topic_of(name, "/mock") == topic
 
 
-def test_every_type_has_a_topic_of_its_own():
+def test_every_type_has_a_separate_topic():
     names = MockOptions().type_names()
     assert names == tuple(row.name for row in Table.load().rows)
     assert len({topic_of(name, "/mock") for name in names}) == len(names)
@@ -95,7 +95,7 @@ def test_messages_count_up_without_a_gap(watcher):
         assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
 
 
-def test_what_arrives_is_written_as_one_line_each(watcher):
+def test_each_message_is_written_as_one_line(watcher):
     with child(MOCK.format(options="publish=False, types=('sensor_msgs/Joy', 0)")) as mock:
         topic = "/mock_in/sensor_msgs/joy"
         publisher = watcher.node.create_publisher(Joy, topic, QoSProfile(depth=10))

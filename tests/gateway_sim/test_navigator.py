@@ -101,7 +101,7 @@ def test_a_goal_that_is_canceled_ends_once_the_robot_stands(driven):
     assert driven.robot.linear == driven.robot.angular == 0
 
 
-def test_a_goal_that_is_canceled_ends_though_somebody_else_drives_on(driven):
+def test_a_goal_that_is_canceled_ends_though_another_client_drives_on(driven):
     assert driven.goal(1, AHEAD)
     driven.until(lambda: driven.robot.linear > 0.1)
     driven.cancel(bytes(16))
@@ -125,7 +125,7 @@ def test_a_goal_that_is_canceled_ends_though_somebody_else_drives_on(driven):
     ],
     ids=["a command", "a reset", "the motors"],
 )
-def test_what_else_stops_the_robot_aborts_its_goal(driven, stop):
+def test_any_other_stop_of_the_robot_aborts_its_goal(driven, stop):
     assert driven.goal(1, AHEAD)
     stop(driven.robot)
     assert driven.result(1) == ABORTED

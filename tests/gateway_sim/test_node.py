@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The simulated robot in a process of its own behaves on its topics like a real one."""
+"""The simulated robot in a separate process behaves on its topics like a real one."""
 
 import math
 import re

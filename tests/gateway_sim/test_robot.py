@@ -74,7 +74,7 @@ def test_four_sides_and_four_corners_lead_back(drive):
         drive.command(2, 0.0, math.pi / 4)
         drive.command(1, 0.0)
         corners.append(drive.robot.pose[:2])
-    # what starting up takes away, braking adds
+    # starting up takes away as much as braking adds
     assert corners[1] == pytest.approx((0.8, 0.8), abs=0.02)
     assert drive.robot.pose == pytest.approx((0, 0, 0), abs=0.02)
 
@@ -91,7 +91,7 @@ def test_silence_stops_the_robot_and_is_told_once(drive):
     assert drive.events == [Event.SILENCE]
 
 
-def test_an_ordered_stop_is_no_silence(drive):
+def test_an_ordered_stop_is_not_a_silence(drive):
     drive.command(1, 0.2)
     drive.robot.command(0.0, 0.0)
     drive.wait(2)
@@ -273,7 +273,7 @@ def test_a_place_to_which_no_way_leads_is_dismissed_and_the_goal_before_stays(dr
     assert robot.goal is goal
 
 
-def test_what_ends_a_goal_is_known_afterwards(drive):
+def test_the_end_of_a_goal_is_known_afterwards(drive):
     robot = drive.robot
     for end, why in (
         (lambda: robot.command(0.1, 0.0), Event.GOAL_COMMANDED),

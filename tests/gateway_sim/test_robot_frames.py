@@ -26,7 +26,7 @@ LOG = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def simulation(namespace, check=None):
-    """Return code that runs a robot; the test whether types can be made may be another script."""
+    """Return code that runs a robot. The test whether types can be made may be another script."""
     before = f"message_classes._CHECK = ('-c', {check!r})" if check else ""
     return SIMULATION.format(before=before, namespace=namespace)
 
@@ -39,7 +39,7 @@ def watcher():
 
 
 class Frames:
-    """The transforms of a robot, whose type this process may lack, too."""
+    """The transforms of a robot, whose type this process may also lack."""
 
     def __init__(self, watcher, prefix):
         self._prefix = prefix
@@ -109,7 +109,7 @@ def test_wheels_turn_as_their_joints_do(watcher):
     assert q["y"] == pytest.approx(math.sqrt(0.5) * math.sin(angle / 2))
 
 
-def test_where_no_type_can_be_made_the_robot_says_so_and_runs_without(watcher):
+def test_a_robot_that_can_make_no_type_says_so_and_runs_without(watcher):
     check = "print('no, and why'); raise SystemExit(1)"
     with child(simulation("bare", check), without=WITHOUT_PACKAGES):
         joints = watcher.subscribe(JointState, "/bare/joint_states")
