@@ -221,7 +221,7 @@ namespace Ros2Gateway.Editor.Tests
             Open(of, inspector);
             ((AddressInspector)_editor).Targets = new[] { IPAddress.Parse("127.255.255.255") };
             Look("Find gateways");
-            StringAssert.StartsWith("nobody answers yet", Inspector.Words[0]);
+            StringAssert.StartsWith("no gateway has answered yet", Inspector.Words[0]);
             string address = "ws://127.0.0.1:" + port + "/";
             yield return Until(() => Inspector.Buttons.Any(text => text.EndsWith("  " + address)));
             Inspector.Applied.Clear();

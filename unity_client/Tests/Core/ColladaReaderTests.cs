@@ -158,9 +158,9 @@ namespace Ros2Gateway.Tests
         }
 
         [TestCase("", "the COLLADA file is empty")]
-        [TestCase("solid arm", "is no XML")]
-        [TestCase("<COLLADA>", "is no XML")]
-        [TestCase("<!DOCTYPE a [<!ENTITY b 'c'>]><COLLADA>&b;</COLLADA>", "is no XML")]
+        [TestCase("solid arm", "is not XML")]
+        [TestCase("<COLLADA>", "is not XML")]
+        [TestCase("<!DOCTYPE a [<!ENTITY b 'c'>]><COLLADA>&b;</COLLADA>", "is not XML")]
         [TestCase("<html/>", "begins with <html>, must begin with <COLLADA>")]
         [TestCase("<COLLADA/>", "shows no triangles")]
         [TestCase("<COLLADA><asset><unit meter='0'/></asset></COLLADA>", "unit has 0 metres")]

@@ -97,11 +97,11 @@ namespace Ros2Gateway.Tests
         }
 
         [TestCase("", "empty")]
-        [TestCase("hello", "no XML")]
-        [TestCase("<robot><link name='a'></robot>", "no XML")]
+        [TestCase("hello", "not XML")]
+        [TestCase("<robot><link name='a'></robot>", "not XML")]
         [TestCase("<sdf/>", "begins with <sdf>")]
         [TestCase("<robot/>", "no links")]
-        [TestCase("<!DOCTYPE r [<!ENTITY a 'b'>]><robot>&a;</robot>", "no XML")]
+        [TestCase("<!DOCTYPE r [<!ENTITY a 'b'>]><robot>&a;</robot>", "not XML")]
         [TestCase("<robot><link/></robot>", "a link has no name")]
         [TestCase("<robot><link name='a'/><link name='a'/></robot>", "two links a")]
         [TestCase("<robot><link name='a'/><link name='b'/></robot>", "one root")]
@@ -152,7 +152,7 @@ namespace Ros2Gateway.Tests
             {
                 deep.Append("<a>");
             }
-            StringAssert.Contains("no XML", Words(deep.ToString()));
+            StringAssert.Contains("not XML", Words(deep.ToString()));
         }
 
         [Test]

@@ -80,7 +80,7 @@ namespace Ros2Gateway.Unity.Tests
         public IEnumerator AnotherDescriptionReplacesARobotAndABrokenOneDoesNot()
         {
             LogAssert.Expect(LogType.Warning, new Regex("no model"));
-            LogAssert.Expect(LogType.Warning, new Regex("no XML"));
+            LogAssert.Expect(LogType.Warning, new Regex("not XML"));
             RobotDescriptionDisplay robot = _scene.Display<RobotDescriptionDisplay>();
             robot.Show(new StringMsg { data = Arm });
             yield return null;
