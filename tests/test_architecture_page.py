@@ -9,12 +9,13 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs/contributing/architecture.md"
+PATHS = ROOT / "docs/contributing/data-paths.md"
 TERMS = ROOT / "docs/contributing/code-terms.md"
 ROW = re.compile(r"^\| `([\w.<>]+)` \| `([^`]+)` \|", re.MULTILINE)
 
 
 def rows() -> list[tuple[str, str]]:
-    return ROW.findall(PAGE.read_text("utf-8"))
+    return ROW.findall(PATHS.read_text("utf-8"))
 
 
 def names_in(file: str) -> set[str]:
@@ -36,9 +37,8 @@ def test_every_function_of_the_ways_is_where_the_page_says(function: str, file: 
 
 
 def test_every_file_that_is_named_exists():
-    named = re.findall(
-        r"`((?:gateway|gateway_sim|schemas|tests)/[\w/.*]*)`", PAGE.read_text("utf-8")
-    )
+    text = PAGE.read_text("utf-8") + PATHS.read_text("utf-8")
+    named = re.findall(r"`((?:gateway|gateway_sim|schemas|tests)/[\w/.*]*)`", text)
     assert len(named) > 40
     assert [name for name in named if not list(ROOT.glob(name.rstrip("/")))] == []
 
@@ -53,7 +53,7 @@ def test_each_term_is_explained_once_in_order():
 def test_every_class_and_method_that_is_named_exists():
     files = (path.relative_to(ROOT) for path in (ROOT / "gateway").rglob("*.py"))
     defined = {name for file in files for name in names_in(str(file))}
-    text = PAGE.read_text("utf-8") + TERMS.read_text("utf-8")
+    text = "".join(page.read_text("utf-8") for page in (PAGE, PATHS, TERMS))
     named = set(re.findall(r"`([A-Z]+[a-z]\w*(?:\.\w+)?)`", text))
     assert len(named) > 120
     assert named - defined == set()

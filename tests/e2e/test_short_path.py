@@ -63,8 +63,8 @@ async def url() -> AsyncIterator[str]:
 
 
 def documented() -> list[str]:
-    """Return the calls that the architecture page lists."""
-    page = (Path(ROOT).parent / "docs/contributing/architecture.md").read_text("utf-8")
+    """Return the calls that the page lists."""
+    page = (Path(ROOT).parent / "docs/contributing/data-paths.md").read_text("utf-8")
     table = page.partition("<!-- the way of a sample -->")[2].partition("\n\n")[0]
     return re.findall(r"^\| `([^`]+)`", table, re.MULTILINE)
 
