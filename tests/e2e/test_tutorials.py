@@ -17,6 +17,7 @@ from tests.demonstration import demonstration
 from tests.doc_blocks import is_like, texts, with_outputs
 from tests.e2e.test_navigation import until_provided
 from tests.e2e.test_protocol_page import expectation, fits
+from tests.gateway_process import gateway_process
 
 FIRST_ROBOT = "tutorials/first-robot.md"
 IN_PYTHON = "tutorials/python-client.md"
@@ -121,3 +122,10 @@ async def test_the_program_of_the_tutorial_comes_back_after_a_lost_connection():
             await read_until(process, lambda got, line=line: is_like(line, got))
     process.kill()
     await process.wait()
+
+
+async def test_the_program_of_the_tutorial_ends_if_the_gateway_refuses_its_token(tmp_path):
+    tokens = ("--set", f"access.token_file={tmp_path / 'tokens.json'}")
+    async with gateway_process("serve", "--set", "access.authentication=token", *tokens) as gateway:
+        outputs = await output_of(PROGRAMS[-1][0], str(urlsplit(gateway.url).port))
+    assert "4401" in outputs[-1]
