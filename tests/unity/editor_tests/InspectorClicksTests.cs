@@ -126,7 +126,7 @@ namespace Ros2Gateway.Editor.Tests
             TopicPublisher publisher = Publisher();
             publisher.Message = "{\"data\":7}";
             Look("Edit the fields");
-            StringAssert.StartsWith("the text is no std_msgs/msg/String: ", Inspector.Words.Last());
+            StringAssert.StartsWith("the text is not a std_msgs/msg/String: ", Inspector.Words.Last());
             publisher.Type = "own_msgs/msg/Unknown";
             Look("Edit the fields");
             StringAssert.StartsWith("no class for own_msgs/msg/Unknown", Inspector.Words.Last());

@@ -69,7 +69,7 @@ namespace Ros2Gateway.Editor.Tests
             Assert.IsNull(TopicCheck.OfType("1", false));
             StringAssert.StartsWith("there is no message type with the number 9999", TopicCheck.OfType("9999", false));
             StringAssert.Contains("has no class here", TopicCheck.OfType("my_msgs/msg/Thing", false));
-            StringAssert.Contains("is no type", TopicCheck.OfType("Twist", false));
+            StringAssert.Contains("is not a type", TopicCheck.OfType("Twist", false));
         }
 
         [Test]
