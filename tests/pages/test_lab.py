@@ -213,7 +213,7 @@ async def test_a_room_that_is_not_drawn_any_more_ends_an_approach_and_says_so(la
         await speaker.send(op="control", topic="/cmd_vel", watch=True)
         await page.evaluate(context)
         said = ""
-        while "not drawn" not in said:
+        while "no longer drawn" not in said:
             assert not said or any(each in said for each in LATE), said
             if said:
                 await page.evaluate("() => context.restoreContext()")
