@@ -285,7 +285,8 @@ class Inbound:
             self._parse()
             if time.monotonic() > end_s:
                 break
-        if self._is_behind and self._protocol.state is not OPEN:
+        was_open = self._receiver.session is not None
+        if self._is_behind and was_open and self._protocol.state is not OPEN:
             self._leave()
 
     def _handle_until(self, end_s: float) -> None:

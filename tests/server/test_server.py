@@ -3,6 +3,7 @@ import asyncio
 import contextlib
 import json
 import socket
+import time
 import urllib.request
 from functools import partial
 
@@ -14,6 +15,7 @@ from websockets.frames import Frame, Opcode
 from gateway.errors import BindError
 from gateway.ports import Qos
 from gateway.router.topics.encoding import Encoding
+from gateway.server import inbound
 from gateway.server.connection import Connection
 from gateway.server.end import End, Why
 from gateway.server.server import TICK_S, Door
@@ -35,13 +37,16 @@ async def closing(speaker: Client) -> tuple[int, str]:
     return speaker.socket.close_code or 0, speaker.socket.close_reason or ""
 
 
+UPGRADE = (
+    b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+    b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+)
+
+
 async def handshake(served: Served) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
     """Open a WebSocket by hand, to send data that no library would send."""
     reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
-    writer.write(
-        b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
-        b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
-    )
+    writer.write(UPGRADE)
     assert b" 101 " in await reader.readuntil(b"\r\n\r\n")
     return reader, writer
 
@@ -381,6 +386,25 @@ async def test_a_greedy_pair_does_not_keep_a_third_client_from_its_answers(serve
         for task in floods:
             task.cancel()
         await asyncio.gather(*floods, return_exceptions=True)
+
+
+async def test_a_client_that_connects_while_its_address_has_spent_its_time_stays(
+    serve: Serve, monkeypatch
+):
+    monkeypatch.setattr(inbound, "LEFTOVER_S", 0.0)  # of a client that has left
+    async with serve() as served:
+        budgets = served.server.budgets
+        budgets.join("127.0.0.1").time.spend(2.0, time.monotonic())
+        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+        writer.write(UPGRADE[:20])
+        spent_s = budgets.spent_s
+        await eventually(lambda: budgets.spent_s > spent_s)
+        writer.write(UPGRADE[20:])
+        assert b" 101 " in await reader.readuntil(b"\r\n\r\n")
+        await asyncio.sleep(3 * TICK_S)
+        writer.write(masked(Opcode.TEXT, b'{"op":"ping"}'))
+        assert await reader.readuntil(b'"pong"')
+        writer.close()
 
 
 async def flood(served: Served) -> None:
