@@ -31,7 +31,7 @@ WORKERS := -n auto --dist worksteal
 
 # If ARGS names tests, these run. Otherwise the longest tests are left out, unless ALL=1.
 SELECTION := $(if $(ALL),,-m 'not long')
-DURATION := $(if $(ALL),a quarter of an hour,six minutes)
+DURATION := $(if $(ALL),half an hour,seven minutes)
 
 .DEFAULT_GOAL := help
 .PHONY: help demo serve test kilted lint format docs site screenshots bench faults fuzz soak mutants release clean
@@ -45,7 +45,7 @@ demo: $(READY) ## start the simulated robot and the gateway (make demo ARGS='--p
 serve: $(READY) ## start the gateway alone (make serve ARGS='--domain-id 7')
 	@$(BIN)/ros2-gateway serve $(ARGS)
 
-test: lint $(CLIENTS) ## check and test, in six minutes, or in a quarter of an hour with ALL=1 (make test ARGS='tests/cli/test_main.py -n0')
+test: lint $(CLIENTS) ## check and test, in seven minutes, or in half an hour with ALL=1 (make test ARGS='tests/cli/test_main.py -n0')
 	$(BIN)/python -m schemas.generate --check
 	@$(BIN)/python -m tests.interfaces
 	@sh tools/make-mono.sh
@@ -76,7 +76,6 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 	$(BIN)/python -m schemas.generate
 	$(BIN)/python -m tools.unity_scenes
 	$(BIN)/python -m tools.unity_metas
-	$(BIN)/python -m tools.errors_page
 	@page=$$($(BIN)/python -m tools.mutants --page) && printf '%s\n' "$$page" > docs/contributing/mutants.md
 	$(BIN)/python -m tools.reference_pages
 	@$(BIN)/python tools/check_words.py --update

@@ -34,10 +34,8 @@ MERMAID = (
 MERMAID_IN_SITE = "assets/javascripts/mermaid.js"
 # The theme loads these from another host. Every browser since 2020 has the second one built in.
 REMOTE_SCRIPTS = {
-    '"https://unpkg.com/mermaid@11/dist/mermaid.min.js"': (
-        f'new URL("{MERMAID_IN_SITE}",__md_scope).href'
-    ),
-    '"https://unpkg.com/resize-observer-polyfill"': '"data:text/javascript,"',
+    r'"https://[^"]+/mermaid\.min\.js"': f'new URL("{MERMAID_IN_SITE}",__md_scope).href',
+    r'"https://[^"]+/resize-observer-polyfill"': '"data:text/javascript,"',
 }
 _ITEM = re.compile(r" {0,3}(?:[-*+]|\d+[.)]) +")
 _LINK = re.compile(r"(?<!!)\[((?:[^\[\]]|!\[[^\]]*\]\([^)]*\))+)\]\(([^)#\s]+)(#[^)\s]*)?\)")
@@ -114,7 +112,7 @@ def on_post_build(config: MkDocsConfig) -> None:
     (bundle,) = site.glob("assets/javascripts/bundle.*.min.js")
     code = bundle.read_text("utf-8")
     for remote, local in REMOTE_SCRIPTS.items():
-        if code.count(remote) != 1:
+        code, found = re.subn(remote, local, code)
+        if found != 1:
             raise PluginError(f"the theme no longer loads {remote}: see tools/site_hooks.py")
-        code = code.replace(remote, local)
     bundle.write_text(code, "utf-8")
