@@ -26,7 +26,6 @@ NOT_OURS = (
     "unity_client/Runtime/Core/Messages/Generated/",
     "docs/reference/messages.md",
     "docs/reference/services.md",
-    "unity_client/Documentation~/messages.md",
     "unity_client/LICENSE.md",
 )
 SKIPPED_FOLDERS = {"node_modules", "__pycache__", "dist", "build", "site", "fixtures"}

@@ -18,7 +18,7 @@ _KNOWN: Final[Mapping[str, frozenset[str]]] = {
     for op, model in OPERATIONS.items()
 }
 
-# They act by defaults without `args`: SetBool would switch off what somebody wanted to switch on.
+# They act by defaults without `args`: SetBool would switch a motor off instead of on.
 _WITH_ARGUMENTS: Final = frozenset({"call_service", "send_action_goal"})
 
 

@@ -56,8 +56,8 @@ def remove_abandoned_segments(folder: Path = FOLDER) -> int:
 def without_shared_memory() -> Iterator[None]:
     """Keep Fast DDS from creating shared memory for the participants of this context.
 
-    They send and receive by UDP alone. A profile cannot say so, because rmw chooses the transports
-    itself for the discovery range LOCALHOST. So no file can grow meanwhile, whoever writes it.
+    They send and receive only by UDP. A profile cannot say so, because rmw chooses the transports
+    itself for the discovery range LOCALHOST. In this context the process cannot write to files.
     """
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))

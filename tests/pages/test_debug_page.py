@@ -284,13 +284,14 @@ async def test_on_a_phone_a_new_card_stays_in_view_when_it_grows(demo, open_page
             await page.keyboard.press("Enter")
             place = "topic => document.querySelector(topic).getBoundingClientRect().top"
             await until(page, f"topic => ({place})(topic) < innerHeight / 2", card(topic))
-            before = await page.evaluate(place, card(topic))
             message = {"data": [0.5] * rows}
             await publisher.send(op="publish", topic=topic, msg=message)
             await page.wait_for_selector(f"{card(topic)} .row")
             frame = "requestAnimationFrame"  # by the second one it has been laid out
             await page.evaluate(f"() => new Promise(done => {frame}(() => {frame}(done)))")
-            assert await page.evaluate(place, card(topic)) == before
+            # a line of the cards above may wrap while their figures change
+            is_in_view = f"topic => 0 <= ({place})(topic) && ({place})(topic) < innerHeight / 2"
+            assert await page.evaluate(is_in_view, card(topic))
 
 
 async def test_the_list_stays_in_view_while_the_cards_scroll(demo, open_page):

@@ -97,7 +97,7 @@ def test_a_long_key_is_not_kept():
 @pytest.mark.parametrize("key", ["agrs", "request", "goal", "k" * 300])
 @pytest.mark.parametrize("value", [{"data": True}, [True]])
 def test_arguments_under_another_key_are_refused_each_time(op, key, value):
-    """A call that acts by defaults would switch off what somebody wanted to switch on."""
+    """A call that acts by defaults would switch a motor off instead of on."""
     dialect = Dialect()
     for _ in range(2):
         with pytest.raises(ProtocolError, match="did you mean args") as refused:
@@ -106,7 +106,7 @@ def test_arguments_under_another_key_are_refused_each_time(op, key, value):
 
 
 @pytest.mark.parametrize("op", ["call_service", "send_action_goal"])
-def test_an_unknown_object_beside_args_is_ignored(op):
+def test_an_unknown_object_next_to_args_is_ignored(op):
     dialect = Dialect()
     assert dialect.note(op, {"op": op, "args": {}, "meta": {"a": 1}}) == ""
     assert dialect.note(op, {"op": op, "comment": "a text"}) == ""
