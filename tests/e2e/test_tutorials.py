@@ -103,7 +103,12 @@ async def test_the_programs_of_the_tutorial_print_what_it_shows(port):
 
 async def output_of(program: str, port: str) -> list[str]:
     process = await python("-c", program.replace("9090", port))
-    output, _ = await process.communicate()
+    try:
+        async with asyncio.timeout(TIMEOUT_S):
+            output, _ = await process.communicate()
+    except TimeoutError:
+        process.kill()
+        raise
     assert process.returncode == 0
     return output.decode().splitlines()
 

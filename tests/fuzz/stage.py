@@ -107,7 +107,7 @@ class Stage:
         self._publishers[topic].publish(types.types().get(TOPICS[topic]).encode(values, 0))
 
     def start_threads(self) -> None:
-        """Have the gateway start those that take, make pictures and write code, which stay."""
+        """Have the gateway start those that take, make pictures, read, and write, which stay."""
 
         async def look() -> None:
             speaker = await Speaker.open(self.gateway.url)
@@ -126,8 +126,12 @@ class Stage:
             await speaker.until(
                 lambda: any(each.get("topic") == "/latched" for each in speaker.frames)
             )
+            await speaker.say('{"op":"fetch_asset","uri":"package://none/a.stl","id":"asset"}')
             await speaker.say('{"op":"generate","language":"python","types":["a/b"],"id":"code"}')
-            await speaker.until(lambda: any(each.get("id") == "code" for each in speaker.frames))
+            for wanted in ("asset", "code"):
+                await speaker.until(
+                    lambda wanted=wanted: any(each.get("id") == wanted for each in speaker.frames)
+                )
             await speaker.leave()
 
         self.run(look())
