@@ -10,7 +10,7 @@ READY_FOR_FUZZING := $(VENV)/.ready-for-fuzzing
 KILTED := .venv-kilted
 READY_ON_KILTED := $(KILTED)/.ready
 # tests that depend on rclpy and its middleware
-TESTS_OF_ROS := tests/ros tests/e2e/test_types_not_installed.py tests/e2e/test_learned_types.py \
+TESTS_OF_ROS := tests/sources/rclpy tests/e2e/test_types_not_installed.py tests/e2e/test_learned_types.py \
     tests/e2e/test_readme.py
 # roslib and roslibpy, which the tests drive
 CLIENTS := $(VENV)/clients/.ready

@@ -24,6 +24,7 @@ from gateway.access.posture import Posture
 from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
+from gateway.core.router import Router
 from gateway.definitions import known_definitions
 from gateway.diagnostics import publishing
 from gateway.ending_signals import ENDING
@@ -33,16 +34,15 @@ from gateway.guard.supervisor import GuardProcess
 from gateway.log_fields import counted, text_of
 from gateway.log_rate import LogRate
 from gateway.memory import exempt_from_collection, keep_large_blocks, returning_free_memory
-from gateway.ports import LogLevel, Ros, RosError
-from gateway.protocol.lan_discovery import MAX_PATH, FoundGateway
-from gateway.ros import RosOptions, open_ros
-from gateway.router.router import Router
 from gateway.security import Security, open_security
-from gateway.server.admission import Admission
-from gateway.server.lan_discovery import answering_questions
-from gateway.server.server import Door, Server
-from gateway.server.static_files import PAGES, StaticFiles
+from gateway.sources.rclpy import RosOptions, open_ros
+from gateway.sources.source import LogLevel, Ros, RosError
 from gateway.start import Start
+from gateway.transport.admission import Admission
+from gateway.transport.discovery_packets import MAX_PATH, FoundGateway
+from gateway.transport.lan_discovery import answering_questions
+from gateway.transport.server import Door, Server
+from gateway.transport.static_files import PAGES, StaticFiles
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 

@@ -4,8 +4,8 @@
 from collections.abc import Iterable
 from pathlib import Path
 
+from gateway.core.rosapi.interfaces import interfaces_prefix
 from gateway.errors import ConfigError
-from gateway.rosapi.interfaces import interfaces_prefix
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions, installed_prefixes
 

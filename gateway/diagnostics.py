@@ -10,7 +10,7 @@ from typing import Final
 from gateway.codec.types import Types
 from gateway.metrics.diagnosis import Diagnosis, diagnose
 from gateway.metrics.state import Summary
-from gateway.ports import Publisher, Qos, Ros, RosError
+from gateway.sources.source import Publisher, Qos, Ros, RosError
 
 TOPIC: Final = "/diagnostics"
 TYPE: Final = "diagnostic_msgs/msg/DiagnosticArray"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Faults of a running gateway, in words for its operator. See `gateway.server.health`."""
+"""Faults of a running gateway, in words for its operator. See `gateway.transport.health`."""
 
 from dataclasses import dataclass
 from typing import Literal

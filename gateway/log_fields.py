@@ -8,7 +8,7 @@ action, or a service. Clients can cause any number of such lines, so `gateway.lo
 import logging
 from typing import Any, Final
 
-# those of a connection's end (`gateway.server.end`) included
+# those of a connection's end (`gateway.transport.end`) included
 FIELDS: Final = (
     "client",
     "topic",

@@ -21,7 +21,7 @@ from gateway.access.web_rules import WebRules
 from gateway.access_files import load_certificate, now_text, read_access, read_tokens, token_path
 from gateway.config.model import Config
 from gateway.faults import Fault
-from gateway.server.http import own_names
+from gateway.transport.http import own_names
 
 logger = logging.getLogger(__name__)
 

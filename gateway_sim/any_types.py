@@ -16,10 +16,10 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 
 from gateway.codec.cdr import Decoder, Encoder, compile_decoder, compile_encoder
-from gateway.ports import RosError
-from gateway.ros import fast_dds
-from gateway.ros.action_forms import ActionForm
-from gateway.ros.message_classes import MessageClasses, why_types_cannot_be_made
+from gateway.sources.rclpy import fast_dds
+from gateway.sources.rclpy.action_forms import ActionForm
+from gateway.sources.rclpy.message_classes import MessageClasses, why_types_cannot_be_made
+from gateway.sources.source import RosError
 from schemas.definition import Definition
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions
@@ -61,7 +61,7 @@ class AnyTypes:
     """Creates publishers and actions of some types, once `poll` returns true.
 
     That is at once if all of them are installed. Otherwise a separate process first tries for a
-    second whether this ROS accepts made types. See `gateway.ros.message_classes`.
+    second whether this ROS accepts made types. See `gateway.sources.rclpy.message_classes`.
     """
 
     def __init__(self, type_names: Sequence[str]) -> None:

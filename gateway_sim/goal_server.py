@@ -18,8 +18,8 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 
-from gateway.ros import fast_dds, rclpy_private
-from gateway.ros.goal_ids import with_goal_id
+from gateway.sources.rclpy import fast_dds, rclpy_private
+from gateway.sources.rclpy.goal_ids import with_goal_id
 from gateway_sim.any_types import AnyAction
 
 MAX_KEPT: Final = 16  # the newest goals that have ended, for clients that ask for a result late

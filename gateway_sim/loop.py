@@ -18,7 +18,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from gateway.ending_signals import ENDING
-from gateway.ros import fast_dds, rclpy_private
+from gateway.sources.rclpy import fast_dds, rclpy_private
 
 PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")
 _LONGEST_WAIT_NS: Final = 50_000_000  # the longest delay of a stop, which no person notices

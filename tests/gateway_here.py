@@ -7,9 +7,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
-from gateway.ros import open_ros
-from gateway.router.router import Router
-from gateway.server.server import Door, Server
+from gateway.core.router import Router
+from gateway.sources.rclpy import open_ros
+from gateway.transport.server import Door, Server
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 

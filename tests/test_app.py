@@ -25,12 +25,12 @@ from gateway.config.model import Config, RosConfig
 from gateway.definitions import known_definitions
 from gateway.guard import MARGIN_S, supervisor
 from gateway.log_rate import BURST
-from gateway.ros import RosOptions, deferred_destruction
-from gateway.server import server
+from gateway.sources.rclpy import RosOptions, deferred_destruction
+from gateway.transport import server
 from schemas.installed import InstalledDefinitions
 from tests.client import TIMEOUT_S, client
 from tests.gateway_process import gateway_process
-from tests.ros.fake import FakeRos
+from tests.sources.fake import FakeRos
 
 # Each value is unlike every other and unlike every default.
 CONFIG = Config(

@@ -33,11 +33,13 @@ class Bound(NamedTuple):
 # Constants with such a name that bound nothing, and why.
 NO_BOUNDS: Final = {
     Bound("gateway/codec/cdr/rows.py", "_FLOAT32_BYTES"): "a size of CDR",
-    Bound("gateway/ros/action_forms.py", "_STATUS_BYTES"): "a size of CDR",
-    Bound("gateway/ros/realignment.py", "_COUNT_BYTES"): "a size of CDR",
+    Bound("gateway/sources/rclpy/action_forms.py", "_STATUS_BYTES"): "a size of CDR",
+    Bound("gateway/sources/rclpy/realignment.py", "_COUNT_BYTES"): "a size of CDR",
     Bound("gateway/codec/compressed_images.py", "_PNG_CHECKSUM_BYTES"): "a size of PNG",
-    Bound("gateway/server/link.py", "_NS_PER_S"): "a unit in another",
-    Bound("gateway/ros/rclpy_private/handles.py", "SPIN_S"): "stands for no time-out at all",
+    Bound("gateway/transport/link.py", "_NS_PER_S"): "a unit in another",
+    Bound(
+        "gateway/sources/rclpy/rclpy_private/handles.py", "SPIN_S"
+    ): "stands for no time-out at all",
 }
 
 

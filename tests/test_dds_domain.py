@@ -8,7 +8,7 @@ import sys
 
 from tests import dds_domain
 from tests.client import TIMEOUT_S
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 OWN = int(os.environ["ROS_DOMAIN_ID"])
 

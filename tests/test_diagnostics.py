@@ -10,12 +10,12 @@ import pytest
 from gateway import diagnostics
 from gateway.codec.types import Types
 from gateway.metrics.state import Summary
-from gateway.ports import Qos, RosError, Sample
+from gateway.sources.source import Qos, RosError, Sample
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
 from tests.clock import StoppedClock
 from tests.metrics.states import summary
-from tests.ros.fake import FakePublisher, FakeRos
+from tests.sources.fake import FakePublisher, FakeRos
 
 ARRAY = "diagnostic_msgs/msg/DiagnosticArray"
 STRING = "std_msgs/msg/String"

@@ -11,17 +11,17 @@ REPOSITORY = Path(__file__).parents[1]
 PAGE = REPOSITORY / "docs/reference/rosbridge-differences.md"
 SECTION = "## Differences from rosbridge_suite"
 
-SUBSCRIPTIONS = "router/topics/test_subscriptions.py"
-CLIENT_SERVICES = "router/services/test_client_services.py"
-CALLS = "router/services/test_service_calls.py"
-PUBLICATIONS = "router/topics/test_publications.py"
-CLIENT_ACTIONS = "router/actions/test_client_actions.py"
-GOALS = "router/actions/test_goals.py"
-FRAGMENTS = "protocol/test_rosbridge_fragments.py"
-OPERATIONS = "protocol/test_operations.py"
-PERMISSIONS = "router/test_permission_checks.py"
+SUBSCRIPTIONS = "core/topics/test_subscriptions.py"
+CLIENT_SERVICES = "core/services/test_client_services.py"
+CALLS = "core/services/test_service_calls.py"
+PUBLICATIONS = "core/topics/test_publications.py"
+CLIENT_ACTIONS = "core/actions/test_client_actions.py"
+GOALS = "core/actions/test_goals.py"
+FRAGMENTS = "fronts/rosbridge/test_fragments.py"
+OPERATIONS = "fronts/rosbridge/test_operations.py"
+PERMISSIONS = "core/test_permission_checks.py"
 DRIVE = "drive/test_drive.py"
-BAD_INPUT = "router/test_bad_input.py"
+BAD_INPUT = "core/test_bad_input.py"
 
 # The beginning of each item on the page, and the tests that fail without it.
 TESTS = {
@@ -79,15 +79,15 @@ TESTS = {
         f"{SUBSCRIPTIONS}::test_a_throttled_topic_delivers_the_last_sample_too",
     ],
     "**Queues**": [
-        "protocol/test_outbox.py::test_a_full_queue_drops_its_oldest_entry_and_counts_it",
+        "core/test_outbox.py::test_a_full_queue_drops_its_oldest_entry_and_counts_it",
         f"{SUBSCRIPTIONS}::test_meta_numbers_samples_and_counts_what_was_dropped",
     ],
     "**Slow clients:**": [
-        "server/test_server.py::test_a_client_that_accepts_nothing_is_cut_off_and_does_not_disturb_others",
-        "server/test_server.py::test_a_client_that_answers_no_ping_stays_and_a_late_answer_is_measured",
+        "transport/test_server.py::test_a_client_that_accepts_nothing_is_cut_off_and_does_not_disturb_others",
+        "transport/test_server.py::test_a_client_that_answers_no_ping_stays_and_a_late_answer_is_measured",
     ],
     "**Durability:**": [
-        "ros/test_qos.py::test_reliable_and_transient_local_only_if_all_are",
+        "sources/rclpy/test_qos.py::test_reliable_and_transient_local_only_if_all_are",
     ],
     "**Images:**": [
         f"{SUBSCRIPTIONS}::test_an_image_comes_as_jpeg_in_the_shape_of_compressed_image",
@@ -108,8 +108,8 @@ TESTS = {
         f"{CLIENT_ACTIONS}::test_a_result_may_leave_out_what_old_clients_leave_out",
     ],
     "**`fragment_size`**": [
-        "protocol/test_session.py::test_an_answer_is_cut_only_where_that_is_asked_for",
-        "protocol/test_session.py::test_a_malformed_fragment_is_answered_with_its_id",
+        "fronts/rosbridge/test_session.py::test_an_answer_is_cut_only_where_that_is_asked_for",
+        "fronts/rosbridge/test_session.py::test_a_malformed_fragment_is_answered_with_its_id",
         f"{FRAGMENTS}::test_pieces_of_several_messages_come_in_any_order_and_twice",
     ],
     "**CBOR:**": [
@@ -129,16 +129,16 @@ TESTS = {
     "**Web pages:**": [
         "access/test_web_rules.py::test_a_page_of_another_server_on_this_machine_is_local",
         f"{PERMISSIONS}::test_a_local_page_watches_and_calls_but_does_not_drive",
-        "server/test_server.py::test_only_own_pages_and_allowed_ones_connect",
-        "server/test_server.py::test_a_refused_page_is_logged_once_with_the_setting_that_allows_it",
+        "transport/test_server.py::test_only_own_pages_and_allowed_ones_connect",
+        "transport/test_server.py::test_a_refused_page_is_logged_once_with_the_setting_that_allows_it",
     ],
     "**Limits:**": [
         f"{SUBSCRIPTIONS}::test_subscriptions_are_limited_per_client",
         f"{PUBLICATIONS}::test_advertisements_are_limited_per_client",
-        "server/test_server.py::test_one_address_cannot_take_all_places",
+        "transport/test_server.py::test_one_address_cannot_take_all_places",
     ],
     "**Command topics**": [
-        "router/commands/test_commands.py::test_the_publisher_is_reliable_and_keeps_one_command_for_a_moment",
+        "core/commands/test_commands.py::test_the_publisher_is_reliable_and_keeps_one_command_for_a_moment",
     ],
     "**Stop:**": [
         f"{DRIVE}::test_after_the_deadline_five_zeros_come_within_250_ms_and_then_nothing",

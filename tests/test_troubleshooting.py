@@ -36,7 +36,7 @@ def parts() -> list[str]:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 found |= set(_VALUES.split(node.value))
-    for file in (ROOT / "gateway/pages").rglob("*.js"):
+    for file in (ROOT / "gateway/fronts/pages").rglob("*.js"):
         for quoted in _JAVASCRIPT.findall(file.read_text(encoding="utf-8")):
             found |= set(_VALUES.split("".join(quoted)))
     return sorted((part for part in found if " " in part), key=len, reverse=True)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from gateway.codec.types import Types
-from gateway.ros.message_classes import MessageClasses
+from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.tf import TF_MESSAGE
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions

@@ -6,7 +6,7 @@ set -eu
 uplot=1.6.32
 three=0.187.0
 esbuild=0.28.2
-target=$(cd "$(dirname "$0")/.." && pwd)/gateway/pages/vendor
+target=$(cd "$(dirname "$0")/.." && pwd)/gateway/fronts/pages/vendor
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"

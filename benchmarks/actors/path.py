@@ -25,11 +25,11 @@ from gateway.codec.image_encodings import RawImage
 from gateway.codec.json import dumps
 from gateway.codec.picture import picture_renderer
 from gateway.codec.types import MessageType, Types
+from gateway.fronts.rosbridge.websocket_frames import JsonFrames
 from gateway.memory import keep_large_blocks
-from gateway.ports import Sample
-from gateway.protocol.websocket_frames import JsonFrames
-from gateway.ros.ready_events import EventfdReadyEvents
-from gateway.ros.samples import Samples
+from gateway.sources.rclpy.ready_events import EventfdReadyEvents
+from gateway.sources.rclpy.samples import Samples
+from gateway.sources.source import Sample
 from schemas.installed import InstalledDefinitions
 
 _IMAGE: Final = "sensor_msgs/msg/Image"

@@ -20,10 +20,10 @@ from gateway.codec.errors import CodecError
 from gateway.codec.json import loads
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
+from gateway.core.rosapi import interfaces_prefix
+from gateway.core.router import Router
 from gateway.memory import keep_large_blocks
-from gateway.ros import RosOptions, open_ros
-from gateway.rosapi import interfaces_prefix
-from gateway.router.router import Router
+from gateway.sources.rclpy import RosOptions, open_ros
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from schemas.table import Table
 

@@ -24,11 +24,11 @@ from benchmarks.servers import NO_INBOUND_LIMITS
 from gateway.codec.cbor_reader import is_cbor
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
+from gateway.core.rosapi import interfaces_prefix
+from gateway.core.router import Router
 from gateway.memory import keep_large_blocks
-from gateway.ros import RosOptions, open_ros
-from gateway.rosapi import interfaces_prefix
-from gateway.router.router import Router
-from gateway.server.server import Door, Server
+from gateway.sources.rclpy import RosOptions, open_ros
+from gateway.transport.server import Door, Server
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from schemas.table import Table
 

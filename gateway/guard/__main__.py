@@ -19,8 +19,8 @@ from gateway.drive.velocity import ZERO
 from gateway.ending_signals import ENDING
 from gateway.guard import DISCOVERY_S, HEARD_S, MAX_LINE_BYTES, PROOF_S
 from gateway.guard.watch import CommandWatch
-from gateway.ports import RosError
-from gateway.ros.stand_alone import StandAlone, StandAlonePublisher
+from gateway.sources.rclpy.stand_alone import StandAlone, StandAlonePublisher
+from gateway.sources.source import RosError
 
 DISCOVERY_PERIOD_NS: Final = 20_000_000
 PROOF_PERIOD_NS: Final = 5_000_000  # a reader takes as long to acknowledge (heartbeatResponseDelay)

@@ -11,7 +11,7 @@ import pytest
 
 from gateway.cli.arguments import argument_parser
 from gateway.cli.type_arguments import LANGUAGES
-from gateway.protocol.operations.gateway import Generate
+from gateway.fronts.rosbridge.operations.gateway import Generate
 from schemas.generate import languages
 from schemas.generate.request import MARK
 from tests.cli.test_main import ROOT, TIMEOUT_S, refusal, ros2_gateway

@@ -14,7 +14,7 @@ from tests import dds_domain
 from tests.clients.driver import INSTALLED, LIBRARIES, Connection, Driver, driver
 from tests.clients.robot import Robot
 from tests.gateway_process import GatewayProcess, gateway_process
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 TOKEN, _STORED = make_token("tablet", "operator", "2026-01-02T03:04:05+00:00")
 MANY = (

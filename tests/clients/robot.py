@@ -14,8 +14,8 @@ from rclpy.task import Future
 from test_msgs.action import Fibonacci
 
 from tests.client import TIMEOUT_S, eventually
-from tests.ros.outside import Outside
-from tests.ros.outside_actions import LockedActionClient
+from tests.sources.outside import Outside
+from tests.sources.outside_actions import LockedActionClient
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 POLL_S = 0.05  # well below the operations that a client may send

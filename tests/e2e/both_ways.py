@@ -7,12 +7,12 @@ import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from gateway.codec.types import Types
-from gateway.ros import fast_dds
+from gateway.sources.rclpy import fast_dds
 from schemas.installed import InstalledDefinitions
 from tests.client import Client, eventually
 from tests.e2e.discovery import until_discovered
 from tests.messages import RandomMessages, from_ros, ros_class, to_json, to_ros
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

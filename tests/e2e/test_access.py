@@ -19,8 +19,8 @@ import pytest
 
 from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.gateway_process import GatewayProcess, gateway_process
-from tests.server.test_admission import bearer, role_of
-from tests.server.test_server import closing
+from tests.transport.test_admission import bearer, role_of
+from tests.transport.test_server import closing
 
 TWIST = {"topic": "/cmd_vel", "type": "geometry_msgs/msg/Twist", "msg": {}}
 

@@ -11,11 +11,11 @@ import pytest
 
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
-from gateway.ports import Publisher, Qos
+from gateway.sources.source import Publisher, Qos
 from schemas.installed import InstalledDefinitions
 from tests.client import Client, Frame, client
 from tests.gateway_here import gateway_here
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 STRING = "std_msgs/msg/String"

@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 
 from gateway.codec.types import Types
-from gateway.ports import Qos, Sample
+from gateway.sources.source import Qos, Sample
 from schemas.installed import InstalledDefinitions
 from tests.client import client, eventually
 from tests.gateway_process import gateway_process
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 ARRAY = "diagnostic_msgs/msg/DiagnosticArray"
 TWIST = "geometry_msgs/msg/Twist"

@@ -63,7 +63,7 @@ async def test_without_its_guard_it_is_ready_and_says_that_control_is_refused():
 # Below the gateway, as a fault of ROS would: of its context, and of a callback of its node.
 FALLEN = """
 import signal
-from gateway.ros.port import RclpyRos
+from gateway.sources.rclpy.port import RclpyRos
 
 start = RclpyRos.__init__
 

@@ -15,8 +15,8 @@ from tests.e2e.both_ways import BothWays
 from tests.e2e.discovery import until_discovered
 from tests.gateway_process import gateway_process
 from tests.messages import ros_class
-from tests.ros.outside import Outside
-from tests.ros.outside_services import until_known
+from tests.sources.outside import Outside
+from tests.sources.outside_services import until_known
 
 DEFINITIONS = InstalledDefinitions()
 TRACK = "idl_msgs/msg/Track"

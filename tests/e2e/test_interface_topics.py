@@ -13,7 +13,7 @@ from std_srvs.srv import SetBool
 from tests.client import client
 from tests.clients.robot import Robot
 from tests.gateway_process import gateway_process
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 ACTION, SERVICE = "/fib", "/arm"
 

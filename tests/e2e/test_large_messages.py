@@ -14,13 +14,13 @@ from websockets.asyncio.client import connect
 from gateway.codec.json_slices import json_slices
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
-from gateway.ports import Qos
-from gateway.router.topics import encoding as encoding_module
-from gateway.router.topics import slices
+from gateway.core.topics import encoding as encoding_module
+from gateway.core.topics import slices
+from gateway.sources.source import Qos
 from schemas.installed import InstalledDefinitions
 from tests.client import TIMEOUT_S, client
 from tests.gateway_here import gateway_here
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 GRID = "nav_msgs/msg/OccupancyGrid"
 IMAGE = "sensor_msgs/msg/Image"

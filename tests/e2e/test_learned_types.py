@@ -11,8 +11,8 @@ import pytest
 import pytest_asyncio
 
 from gateway.codec.types import Types
-from gateway.ros import made_types
-from gateway.ros.made_types import MadeTypes
+from gateway.sources.rclpy import made_types
+from gateway.sources.rclpy.made_types import MadeTypes
 from schemas.installed import InstalledDefinitions
 from tests import interfaces
 from tests.cli.test_main import ros2_gateway
@@ -22,7 +22,7 @@ from tests.e2e.discovery import until_discovered
 from tests.e2e.test_types_not_installed import TRACK, WITHOUT_PACKAGES
 from tests.gateway_process import GatewayProcess, gateway_process
 from tests.messages import ros_class
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 needs_packages = pytest.mark.skipif(

@@ -18,8 +18,8 @@ from tests.cli.test_main import ros2_gateway
 from tests.client import TIMEOUT_S, client, eventually
 from tests.e2e.test_access import shown_token
 from tests.gateway_process import GatewayProcess, gateway_process
-from tests.server.test_admission import bearer
-from tests.server.test_server import closing
+from tests.transport.test_admission import bearer
+from tests.transport.test_server import closing
 
 JSON = ("--log-format", "json")
 STRING = "std_msgs/msg/String"
@@ -27,7 +27,7 @@ STRING = "std_msgs/msg/String"
 # A fault of the gateway, in addition to output and warnings of libraries.
 FAULTS = """
 import os, threading, warnings
-from gateway.router.router import Router
+from gateway.core.router import Router
 
 receive = Router.receive
 
@@ -123,10 +123,10 @@ async def test_with_json_each_line_of_both_outputs_is_json_whatever_happens(home
         "ZeroDivisionError",
     ]
     for entry in found:
-        if entry["logger"] in {"gateway.server.end", "gateway.server.connection"}:
+        if entry["logger"] in {"gateway.transport.end", "gateway.transport.connection"}:
             address, _, number = entry["client"].partition("#")
             assert (address, number.isdigit()) == ("127.0.0.1", True)
-    ends = {each["reason"] for each in found if each["logger"] == "gateway.server.end"}
+    ends = {each["reason"] for each in found if each["logger"] == "gateway.transport.end"}
     assert ends == {"closed", "internal_error", "unauthenticated", "handshake", "going_away"}
     assert not any(token in json.dumps(each) for each in found)  # it is in a file
     assert not any("█" in line for line in gateway.output)
@@ -200,7 +200,7 @@ async def test_a_flood_of_connections_leaves_few_lines_and_hides_nobody_elses(lo
             await speaker.sync()
         await eventually(lambda: "reloaded" in "".join(gateway.log))
         assert await gateway.stop(signal.SIGTERM) == 0
-    flood = [line for line in gateway.log if "gateway.server.end" in line]
+    flood = [line for line in gateway.log if "gateway.transport.end" in line]
     kinds = 4  # of how such a connection may end
     assert BURST <= len(flood) <= kinds * 2 * BURST < ALL_BURST * 3
     more = sum(int(line.partition("... and ")[2].split()[0]) for line in flood if "... and" in line)

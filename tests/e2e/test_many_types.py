@@ -3,7 +3,7 @@
 
 from pathlib import Path
 
-from gateway.ros.made_types import MAX_MADE
+from gateway.sources.rclpy.made_types import MAX_MADE
 from tests.client import client
 from tests.gateway_process import gateway_process
 

@@ -19,7 +19,7 @@ from tests.client import Client, client, eventually
 from tests.e2e.discovery import until_discovered
 from tests.gateway_process import gateway_process
 from tests.messages import Plain, RandomMessages, from_ros, ros_class, to_json, to_ros
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 ROWS = Table.load().rows
 DEFINITIONS = InstalledDefinitions()

@@ -11,10 +11,10 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import LaserScan
 
 from gateway.config.limits import Limits
-from gateway.ports import Sample
+from gateway.sources.source import Sample
 from tests.client import Client, client, eventually
 from tests.gateway_here import gateway_here
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 SCAN = "sensor_msgs/msg/LaserScan"
 RANGES = [0.5, math.inf, -math.inf, math.nan]

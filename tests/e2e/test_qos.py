@@ -14,7 +14,7 @@ from std_msgs.msg import Int32, String
 
 from tests.client import TIMEOUT_S, Client, Frame, client, eventually
 from tests.gateway_process import GatewayProcess, gateway_process
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 

@@ -16,12 +16,12 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.frames import CloseCode
 
-from gateway.action_ports import CANCELED, GoalRequest
-from gateway.ports import Request
+from gateway.sources.actions import CANCELED, GoalRequest
+from gateway.sources.source import Request
 from tests.client import TIMEOUT_S, client, eventually
 from tests.e2e.discovery import until_discovered
 from tests.gateway_process import GatewayProcess, gateway_process
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 CLIENTS = 200
 AT_ONCE = 10

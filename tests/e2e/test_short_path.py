@@ -17,7 +17,7 @@ from gateway.config.limits import Limits
 from schemas.installed import InstalledDefinitions
 from tests.client import client
 from tests.gateway_here import gateway_here
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 SCAN = "sensor_msgs/msg/LaserScan"
 ROOT = str(Path(gateway.__file__).parent)

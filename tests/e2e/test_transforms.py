@@ -11,7 +11,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from tests.client import Client, Frame, client
 from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import GatewayProcess, gateway_process
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 from tests.transforms import tf_message, to_cdr
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")

@@ -21,8 +21,8 @@ from tests.e2e.both_ways import LATCHED, BothWays, unless_keyed
 from tests.e2e.discovery import until_discovered
 from tests.gateway_process import gateway_process
 from tests.messages import Plain, RandomMessages, ros_class, to_json, to_ros
-from tests.ros.outside import Outside
-from tests.ros.outside_services import arrived, until_known
+from tests.sources.outside import Outside
+from tests.sources.outside_services import arrived, until_known
 
 DEFINITIONS = InstalledDefinitions()
 TRACK = "idl_msgs/msg/Track"

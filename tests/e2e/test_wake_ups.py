@@ -6,10 +6,10 @@ import re
 import time
 from pathlib import Path
 
-from gateway.ports import Qos, Sample
+from gateway.sources.source import Qos, Sample
 from tests.client import client, eventually
 from tests.gateway_process import gateway_process
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 MESSAGES = 1000
 PERIOD_S = 0.005  # nackSupressionDuration in the gateway's profile

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, cast, get_args
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule
 
-from gateway.protocol.errors import StatusCode
+from gateway.core.errors import StatusCode
 from tests.client import Frame
 from tests.fuzz import vocabulary as words
 from tests.fuzz.speaker import Speaker

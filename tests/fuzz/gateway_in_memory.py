@@ -8,15 +8,15 @@ from collections.abc import Awaitable, Callable, Iterator
 from concurrent.futures import Executor, Future
 from typing import Any
 
-from gateway.action_ports import SUCCEEDED, GoalRequest
 from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
-from gateway.ports import Request
-from gateway.router.router import Router
+from gateway.core.router import Router
+from gateway.sources.actions import SUCCEEDED, GoalRequest
+from gateway.sources.source import Request
 from schemas.table import Table
 from tests.fuzz import types
 from tests.fuzz.target import check
-from tests.ros.fake import FakeRos
+from tests.sources.fake import FakeRos
 
 LIMITS = Limits(
     max_subscriptions=4, max_advertisements=3, max_message_bytes=1 << 16, max_pending_calls=3

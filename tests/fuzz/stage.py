@@ -11,15 +11,15 @@ from collections.abc import Callable, Coroutine, Iterator
 from concurrent.futures import Future
 from typing import Any, TypeVar
 
-from gateway.action_ports import SUCCEEDED, GoalRequest
-from gateway.ports import Request
+from gateway.sources.actions import SUCCEEDED, GoalRequest
+from gateway.sources.source import Request
 from tests.client import TIMEOUT_S
 from tests.e2e.test_rough_disconnects import at_rest, health, left_behind
 from tests.fuzz import types
 from tests.fuzz.speaker import Speaker
 from tests.fuzz.target import FaultError, check
 from tests.gateway_process import GatewayProcess, gateway_process
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 T = TypeVar("T")
 

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from benchmarks import hostile_frames
 from benchmarks.hostile_frames import HostileFrame
-from gateway.protocol.operations import OPERATIONS
+from gateway.fronts.rosbridge.operations import OPERATIONS
+from tests.core import test_bad_input, test_extreme_numbers
 from tests.fuzz import types
 from tests.fuzz.stage import SETTINGS, TOPICS
-from tests.router import test_bad_input, test_extreme_numbers
 
 Verdict = Literal["good", "maybe", "bad"]
 

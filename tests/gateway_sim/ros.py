@@ -13,7 +13,7 @@ from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from gateway_sim.loop import Loop
-from tests.ros.nodes import open_node
+from tests.sources.nodes import open_node
 
 TIMEOUT_S = 120  # of whatever a test waits for: generous, as the machine may be busy
 

@@ -16,7 +16,7 @@ from tests.gateway_sim.ros import WITHOUT_PACKAGES, Watcher, child
 from tests.transforms import from_cdr, tf_message
 
 SIMULATION = """
-from gateway.ros import message_classes
+from gateway.sources.rclpy import message_classes
 from gateway_sim.node import SimOptions, run
 {before}
 raise SystemExit(run(SimOptions(camera=False, namespace="{namespace}")))

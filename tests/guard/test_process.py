@@ -12,12 +12,12 @@ from gateway.drive.twist_cdr import TWIST, TWIST_STAMPED
 from gateway.guard import supervisor
 from gateway.guard.supervisor import GuardProcess
 from gateway.guard.watch import ZEROS
-from gateway.ports import Sample
-from gateway.ros.graph import read_readers
+from gateway.sources.rclpy.graph import read_readers
+from gateway.sources.source import Sample
 from schemas.installed import InstalledDefinitions
 from tests.client import TIMEOUT_S, eventually
 from tests.e2e.faults.processes import segments_of
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 
 TOPIC = "/cmd_vel"
 

@@ -18,7 +18,7 @@ from gateway.drive.effects import GuardState
 from gateway.guard import MARGIN_S, MAX_LINE_BYTES, REPEAT_S, supervisor
 from gateway.guard.supervisor import GuardProcess
 from tests.client import eventually
-from tests.server.timers import Timers
+from tests.transport.timers import Timers
 
 TOPIC, TWIST = "/cmd_vel", "geometry_msgs/msg/Twist"
 

@@ -7,10 +7,10 @@ is rightly stopped for it arrives nowhere. The stops of a robot have their own t
 
 from typing import Any
 
+from gateway.core.commands import commands
 from gateway.drive import freshness
 from gateway.drive.effects import Rules
 from gateway.guard import supervisor
-from gateway.router.commands import commands
 from tests.patient_gateway import main
 
 PATIENT = ("--set", "control.lease_s=60")

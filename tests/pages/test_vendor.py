@@ -4,7 +4,7 @@
 import gzip
 import hashlib
 
-from gateway.server.static_files import PAGES
+from gateway.transport.static_files import PAGES
 
 VENDOR = PAGES / "vendor"
 HASHES = dict(reversed(line.split()) for line in (VENDOR / "SHA256SUMS").read_text().splitlines())

@@ -3,8 +3,8 @@
 
 from typing import get_args
 
-from gateway.protocol import errors
-from gateway.server import close_codes
+from gateway.core import errors
+from gateway.transport import close_codes
 from tools.reference_pages import error_codes
 
 

@@ -85,8 +85,8 @@ def test_an_entry_that_is_incomplete_or_names_no_test_is_refused(tmp_path):
     for entry, reason in (
         ('rule = "r"\nold = "a"\n', r"missing \['new'\]"),
         ('rule = "r"\nold = "a"\nnew = "a"\n', "nothing is broken"),
-        ('rule = "r"\nold = "a"\nnew = "b"\n', "there is no tests/router/test_nothing.py"),
+        ('rule = "r"\nold = "a"\nnew = "b"\n', "there is no tests/core/test_nothing.py"),
     ):
-        table.write_text(f'[["gateway/router/nothing.py"]]\n{entry}')
+        table.write_text(f'[["gateway/core/nothing.py"]]\n{entry}')
         with pytest.raises(MutantError, match=reason):
             load([table])

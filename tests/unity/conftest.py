@@ -10,12 +10,12 @@ from urllib.parse import urlsplit
 import pytest
 from geometry_msgs.msg import Twist, TwistStamped
 
-from gateway.protocol.lan_discovery import FoundGateway
-from gateway.server.lan_discovery import answering_questions
+from gateway.transport.discovery_packets import FoundGateway
+from gateway.transport.lan_discovery import answering_questions
 from tests.clients.robot import Robot
 from tests.demonstration import demonstration
 from tests.gateway_process import GatewayProcess
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 from tests.unity import csharp, mono
 from tests.unity.background import in_background
 from tests.unity.bases import CHANGING, STAMPED, Base

@@ -12,9 +12,9 @@ import time
 from typing import Any
 
 from gateway.cli.main import main
+from gateway.core.commands import command_topic
 from gateway.drive.twist_cdr import encode
 from gateway.drive.velocity import Velocity
-from gateway.router.commands import command_topic
 
 HANG_S = 2.0
 

@@ -5,7 +5,7 @@ import contextlib
 import time
 from pathlib import Path
 
-from gateway.ros.shared_memory import MIN_AGE_S
+from gateway.sources.rclpy.shared_memory import MIN_AGE_S
 from tests.e2e.faults.scene import Gateway
 
 SHARED_MEMORY = Path("/dev/shm")  # noqa: S108

@@ -12,7 +12,7 @@ import sys
 import rclpy
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from gateway.ros.interfaces import message_class
+from gateway.sources.rclpy.interfaces import message_class
 
 PERIOD_S = 0.05
 

@@ -25,7 +25,7 @@ from tests.e2e.faults import scene
 from tests.e2e.faults.conftest import REPEAT
 from tests.e2e.faults.processes import SHARED_MEMORY, guard_of, is_old, is_running, segments_of
 from tests.e2e.faults.scene import Base, Gateway, until_it_moves
-from tests.ros.outside import Outside
+from tests.sources.outside import Outside
 from tests.unity import mono, package
 
 pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(3600)]

@@ -15,9 +15,9 @@ from gateway.access.permissions import Policy
 from gateway.access.tokens import Token, Tokens, digest_of
 from gateway.access.web_rules import WebRules
 from gateway.config.access import AccessConfig
-from gateway.server.admission import Admission, RoomFor, everybody
-from gateway.server.connection import Connection
-from gateway.server.server import Server
+from gateway.transport.admission import Admission, RoomFor, everybody
+from gateway.transport.connection import Connection
+from gateway.transport.server import Server
 from tests.fuzz import seeds
 from tests.fuzz.gateway_in_memory import LIMITS, World, run_in_a_loop, turns
 from tests.fuzz.target import Target, check

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages in pieces: in any order, twice, contradictory, never complete."""
 
-from gateway.protocol.errors import ProtocolError
-from gateway.protocol.operations.fragment import Fragment
-from gateway.protocol.rosbridge_fragments import (
+from gateway.core.errors import ProtocolError
+from gateway.fronts.rosbridge.fragments import (
     MAX_AGE_NS,
     MAX_INCOMPLETE,
     MAX_PIECES,
@@ -11,6 +10,7 @@ from gateway.protocol.rosbridge_fragments import (
     Assembly,
     split,
 )
+from gateway.fronts.rosbridge.operations.fragment import Fragment
 from tests.fuzz.choices import Choices
 from tests.fuzz.target import Target, check
 

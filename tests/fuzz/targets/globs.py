@@ -11,8 +11,8 @@ from gateway.access.credentials import CredentialsError, check_target, token_in
 from gateway.access.globs import compile_globs
 from gateway.access.tokens import TokenFileError, from_json, to_json
 from gateway.access.web_rules import WebRules, is_plain
-from gateway.server.forwarded import client_address
-from gateway.server.http import offered_subprotocols
+from gateway.transport.forwarded import client_address
+from gateway.transport.http import offered_subprotocols
 from tests.fuzz.choices import Choices
 from tests.fuzz.target import Target, check
 

@@ -10,9 +10,9 @@ import cbor2
 
 from gateway.codec.errors import CodecError
 from gateway.codec.json import loads
-from gateway.protocol.errors import StatusCode
-from gateway.protocol.operations.base import MAX_ID_CHARACTERS
-from gateway.protocol.session import Session
+from gateway.core.errors import StatusCode
+from gateway.fronts.rosbridge.operations.base import MAX_ID_CHARACTERS
+from gateway.fronts.rosbridge.session import Session
 from tests.fuzz import seeds
 from tests.fuzz.gateway_in_memory import World, run_in_a_loop, turns
 from tests.fuzz.stopwatch import STOPWATCH

@@ -6,8 +6,8 @@ from typing import Any
 
 from gateway.codec.errors import CodecError
 from gateway.codec.json import dumps
-from gateway.ports import RosError
-from gateway.ros.realignment import Realignment
+from gateway.sources.rclpy.realignment import Realignment
+from gateway.sources.source import RosError
 from tests.fuzz import types
 from tests.fuzz.target import Target, check
 from tests.fuzz.targets.cdr_decoder import HEADERS

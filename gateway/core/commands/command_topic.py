@@ -1,0 +1,423 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One command topic at run time: its drive, its publisher, its guard, and its clients."""
+
+import asyncio
+import logging
+import time
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable
+from typing import Any, Final
+
+from gateway.access.audit import Audit
+from gateway.codec.types import MessageType
+from gateway.core.commands.drive_audit import DriveAudit
+from gateway.core.commands.driver import Driver
+from gateway.core.commands.guard import Guard
+from gateway.core.commands.twist_values import TwistValues
+from gateway.core.errors import ProtocolError
+from gateway.core.names import TopicName
+from gateway.core.topic_counts import TopicCounts
+from gateway.core.topic_events import warning
+from gateway.drive import refusals
+from gateway.drive.drive import Drive
+from gateway.drive.effects import (
+    Changed,
+    Clamped,
+    Command,
+    Effect,
+    GuardState,
+    Refused,
+    Rules,
+    Send,
+    Stopped,
+)
+from gateway.drive.refusals import CAUSE_TEXTS
+from gateway.drive.stop import LIFESPAN_NS
+from gateway.drive.twist_cdr import COMMAND_TYPES, TWIST_STAMPED, encode
+from gateway.drive.velocity import ZERO
+from gateway.fronts.rosbridge import messages
+from gateway.fronts.rosbridge.operations.base import Operation
+from gateway.fronts.rosbridge.operations.topics import Publish
+from gateway.fronts.rosbridge.session import Session
+from gateway.metrics.state import DriveState
+from gateway.sources.source import Publisher, Qos, Ros, RosError, TopicEvent
+
+# Reliable, because a zero must arrive. Only the newest goes out, and not when it is old. Nothing is
+# retained: a base that restarts must not get the last command from before.
+COMMAND_QOS: Final = Qos("reliable", "volatile", "keep_last", 1, lifespan_ns=LIFESPAN_NS)
+# Between two `control` frames: a client that toggles must not fill the others' queues.
+NOTICE_S: Final = 0.05
+
+logger = logging.getLogger(__name__)
+
+
+class CommandTopic:
+    """It is open while clients use it or it is stopping.
+
+    The guard prepares for it as soon as a type is known, because a zero reaches only a node that
+    has discovered the guard's publisher. Its drive stays for as long as the gateway runs. So a
+    stopped robot stays stopped, also for a client that reconnects.
+    """
+
+    def __init__(  # noqa: PLR0913  # one argument for each part that it shares
+        self,
+        name: TopicName,
+        rules: Rules,
+        ros: Ros,
+        guard: Guard,
+        audit: Audit,
+        *,
+        now_ns: Callable[[], int],
+        counts: TopicCounts,
+        report: Callable[[TopicEvent], None],
+    ) -> None:
+        self.name = name
+        self._report = report
+        self._counts = counts
+        self._stops: Counter[str] = Counter()
+        self.message_type: MessageType | None = None  # while it is open
+        self.drivers: dict[Session, Driver] = {}
+        self.watchers: set[Session] = set()
+        self._ros = ros
+        self._guard = guard
+        self._audit = DriveAudit(audit, name)
+        self._now_ns = now_ns
+        self._rules = rules
+        self._drive = Drive(name, rules)
+        self._publisher: Publisher | None = None
+        self._guarded_type: str | None = None
+        self._readers: frozenset[str] = frozenset()  # that ROS knows
+        self._frame_id = ""
+        self._is_guarded = False
+        self._has_failed = False  # the last command, on its way out
+        self._timer: asyncio.TimerHandle | None = None
+        self._timer_ns = 0
+        self._notice: asyncio.TimerHandle | None = None
+        self._is_closed = False
+
+    @property
+    def is_open(self) -> bool:
+        """Return whether there is a publisher."""
+        return self._publisher is not None
+
+    @property
+    def holder(self) -> Hashable | None:
+        """Return the client that has control."""
+        return self._drive.status.holder
+
+    # Clients
+
+    def open(self, message_type: MessageType) -> None:
+        """Open the publisher, and have the guard open its own.
+
+        Raises:
+            RosError: ROS refuses it.
+        """
+        self.prepare(message_type.name)
+        self._publisher = self._ros.advertise(
+            self.name, message_type.name, COMMAND_QOS, self._on_event
+        )
+        self.message_type = message_type
+        self._look_for_readers()
+
+    def _on_event(self, event: TopicEvent) -> None:
+        """Log a subscription that no command reaches, and warn the clients that drive."""
+        if event.code != "type_conflict":
+            remedy = "make it volatile, without a deadline and a lease"
+            reason = "the gateway never stores a command for later"
+            event = event._replace(remedy=f"{reason}: {remedy}")
+        self._report(event)
+        logger.warning("%s", event.text, extra={"topic": self.name})
+        for session in list(self.drivers):
+            session.warn(warning(event, session), "advertise", None)
+
+    def prepare(self, type_name: str) -> None:
+        """Have the guard open its publisher of a type, unless it has."""
+        if type_name == self._guarded_type:
+            return
+        if self._guarded_type is not None:
+            self._guard.close(self.name)
+        self._guarded_type = type_name
+        self._apply(self._drive.set_guard("starting", self._now_ns()))
+        self._readers = self._ros.readers(self.name)
+        self._guard.open(self.name, type_name, self._readers, self._on_guard)
+
+    def on_graph_change(self, types: tuple[str, ...]) -> None:
+        """Have the guard prepare for the listeners. *types* are those that ROS knows."""
+        if self._guarded_type is None or (not self.is_open and types != (self._guarded_type,)):
+            if len(types) == 1 and types[0] in COMMAND_TYPES:
+                self.prepare(types[0])
+            return
+        self._look_for_readers()
+
+    def _look_for_readers(self) -> None:
+        """Stop for a new subscription of another node, and have the guard prepare for it.
+
+        It may be a robot's, which does not move until the joystick is released.
+        """
+        known, self._readers = self._readers, self._ros.readers(self.name)
+        if self._guarded_type is not None and not self._readers <= known:
+            self._apply(self._drive.set_guard("starting", self._now_ns()))
+            self._guard.open(self.name, self._guarded_type, self._readers, self._on_guard)
+
+    def driver(self, session: Session) -> Driver:
+        """Return the part of a client in an open topic. A new client gets one."""
+        return self.drivers.setdefault(session, Driver())
+
+    def command(
+        self, session: Session, values: TwistValues, request: Publish, waited_s: float
+    ) -> None:
+        """Take a command of a client, and answer it if it is refused."""
+        now_ns = self._now_ns()
+        driver = self.driver(session)
+        driver.commands += 1
+        age = driver.freshness.judge(
+            request.monotonic_ms, now_ns, round(waited_s * 1e9), is_behind=session.is_behind
+        )
+        command = Command(session, values.velocity, age, request)
+        if session.is_overtaken:
+            if not values.velocity.is_zero:  # else the stop has done what it asks for
+                self._refuse(refusals.overtaken(command, self.name))
+            return
+        self._frame_id = values.frame_id
+        self._apply(self._drive.command(command, now_ns))
+
+    def invalid(self, session: Session) -> None:
+        """Note a message that does not fit the type."""
+        self._apply(self._drive.invalid(session, self._now_ns()))
+
+    def stop(self, session: Session) -> None:
+        """Stop at a client's request."""
+        self._audit.record("stop_requested", session)
+        self._apply(self._drive.stop(session, self._now_ns()))
+
+    def acquire(self, session: Session) -> None:
+        """Give a client control, and send it the changes of the state from now on."""
+        self.watchers.add(session)
+        self._apply(self._drive.acquire(session, self._now_ns()))
+
+    def release(self, session: Session) -> None:
+        """Take control back from a client, if it has it."""
+        self._apply(self._drive.release(session, self._now_ns()))
+
+    def revoke(self, session: Session) -> None:
+        """Stop a client that lost the permission to drive."""
+        self._apply(self._drive.revoke(session, self._now_ns()))
+        self.leave(session)
+
+    def withdraw(self, session: Session) -> None:
+        """End a client's advertisements, and stop what it moves."""
+        self.release(session)
+        self._forget(session)
+        self._close_if_idle()
+
+    def leave(self, session: Session) -> None:
+        """Stop what a client moves, and forget it."""
+        if session in self.drivers or self._drive.status.holder is session:
+            self._apply(self._drive.leave(session, self._now_ns()))
+        self.watchers.discard(session)
+        self._forget(session)
+        self._close_if_idle()
+
+    # The event loop
+
+    def end_turn(self) -> None:
+        """Send the newest command of the turn."""
+        self._apply(self._drive.end_turn(self._now_ns()))
+
+    def shut_down(self) -> None:
+        """Stop, and refuse to move from now on."""
+        self._apply(self._drive.shut_down(self._now_ns()))
+
+    def close(self) -> None:
+        """Send a last zero if a stop is under way, and release everything."""
+        self.shut_down()
+        self._is_closed = True
+        self.drivers.clear()
+        self.watchers.clear()
+        for timer in (self._timer, self._notice):
+            if timer:
+                timer.cancel()
+        self._timer = self._notice = None
+        if self._is_guarded:
+            self._apply([Send(ZERO)])
+            self._rest()
+        self._close()
+        if self._guarded_type is not None and not self._is_guarded:
+            self._guard.close(self.name)
+            self._guarded_type = None
+
+    # State
+
+    def state(self, session: Session) -> dict[str, Any]:
+        """Return the fields of a `control` frame for a client."""
+        status = self._drive.status
+        holder = None
+        if status.holder is not None:
+            holder = "you" if status.holder is session else "other"
+        return {
+            "topic": self.name,
+            "state": status.motion,
+            "tripped": status.is_tripped,
+            "cause": status.cause,
+            "holder": holder,
+            "guard": status.guard if self._guarded_type else None,
+            "deadline_s": self._rules.deadline_ns / 1e9,
+            "lease_s": self._rules.lease_ns / 1e9,
+        }
+
+    def drive_state(self) -> DriveState:
+        """Return the state for operators."""
+        status = self._drive.status
+        return DriveState(
+            topic=self.name,
+            motion=status.motion,
+            is_tripped=status.is_tripped,
+            cause=None if status.cause is None else CAUSE_TEXTS[status.cause],
+            is_leased=status.holder is not None,
+            listeners=len(self._readers),
+            is_guarded=self._guarded_type is not None and status.guard == "ready",
+            stops=dict(self._stops),
+        )
+
+    def _notify(self) -> None:
+        if self.watchers and self._notice is None:
+            loop = asyncio.get_running_loop()
+            self._notice = loop.call_later(NOTICE_S, self._send_notices)
+
+    def _send_notices(self) -> None:
+        self._notice = None
+        for session in list(self.watchers):
+            session.send(messages.answer("control", None, **self.state(session)))
+
+    # The effects of the drive
+
+    def _apply(self, effects: Iterable[Effect]) -> None:
+        if self._drive.waits_for_proof:
+            self._guard.prove(self.name, self._stamp_offset_ns(), self._frame_id)
+        for effect in effects:
+            try:
+                self._carry_out(effect)
+            except Exception:  # our bug: it delays nothing else, least of all another stop
+                logger.exception("a command topic failed", extra={"topic": self.name})
+        if not self._drive.needs_guard:
+            self._rest()
+        self._close_if_idle()  # also after the zeros of a stop while nothing moved
+        self._set_timer()
+
+    def _carry_out(self, effect: Effect) -> None:
+        match effect:
+            case Send():
+                self._publish(effect)
+            case Refused():
+                self._refuse(effect)
+            case Clamped():
+                self._tell_clamped(effect)
+            case Stopped(cause):
+                self._stops[cause] += 1
+                level = logging.WARNING if effect.is_tripped else logging.DEBUG
+                extra: dict[str, str] = {"topic": self.name}
+                if isinstance(effect.client, Session):
+                    extra["client"] = effect.client.client
+                logger.log(level, "stopped: %s", CAUSE_TEXTS[cause], extra=extra)
+                self._audit.record("stop", effect.client, cause=cause, tripped=effect.is_tripped)
+            case Changed():
+                self._audit.hold(self._drive.status.holder)
+                self._notify()
+
+    def _rest(self) -> None:
+        """Let the guard rest, unless the last zero has not gone out: then it stops the robot."""
+        if self._is_guarded and not self._has_failed:
+            self._is_guarded = False
+            self._guard.rest(self.name)
+
+    def _publish(self, effect: Send) -> None:
+        if self._publisher is None or self.message_type is None:
+            return
+        publisher, type_name = self._publisher, self.message_type.name
+        is_zero = effect.velocity.is_zero
+        if self._is_guarded or not is_zero:
+            self._is_guarded = True
+            self._guard.moving(self.name, self._stamp_offset_ns(), self._frame_id)
+        if not is_zero and publisher.new_matches():
+            self._look_for_readers()  # before the graph has reported it
+        self._has_failed = True
+        stamp_ns = self._ros.now_ns() if type_name == TWIST_STAMPED else 0
+        cdr = encode(type_name, effect.velocity, stamp_ns, self._frame_id)
+        # The guard was found lost just now, a robot has joined, or the gateway stood still here and
+        # the guard stopped the robot: so look at the clock again, as late as possible.
+        if not is_zero and not self._drive.may_move(time.monotonic_ns()):
+            return
+        try:
+            publisher.publish(cdr)
+            self._has_failed = False
+        except RosError as error:
+            logger.error("%s", error, extra={"topic": self.name})
+        if not is_zero and publisher.new_matches():
+            self._look_for_readers()  # one that was just found hears a zero at once
+
+    def _stamp_offset_ns(self) -> int:
+        """Return ROS time less the monotonic clock, if messages have a stamp."""
+        if self.message_type is None or self.message_type.name != TWIST_STAMPED:
+            return 0
+        return self._ros.now_ns() - time.monotonic_ns()
+
+    def _refuse(self, refused: Refused) -> None:
+        session, request = refused.command.client, refused.command.request
+        assert isinstance(session, Session)  # noqa: S101  # the clients of this drive are sessions
+        error = ProtocolError(refused.code, refused.reason)
+        if isinstance(request, Operation) and self._is_to_be_answered(session, request, error.code):
+            session.refuse(error, request)
+        else:
+            session.refused += 1
+
+    def _tell_clamped(self, clamped: Clamped) -> None:
+        session, request = clamped.command.client, clamped.command.request
+        assert isinstance(session, Session)  # noqa: S101  # as above
+        if not isinstance(request, Operation):
+            return
+        if not self._is_to_be_answered(session, request, "clamped"):
+            return
+        if session in self.watchers:
+            session.answer("control", request.id, **self.state(session), clamped=True)
+        else:
+            linear, angular = self._rules.max_linear, self._rules.max_angular
+            text = f"topic {self.name}: too fast, clamped to {linear:g} m/s and {angular:g} rad/s"
+            session.warn(ProtocolError("invalid_value", text), request.op, request.id)
+
+    def _is_to_be_answered(self, session: Session, request: Operation, code: str) -> bool:
+        driver = self.drivers.get(session)  # None: it has withdrawn or left
+        is_due = driver is not None and driver.is_due(code, self._now_ns())
+        return is_due or request.id is not None
+
+    def _forget(self, session: Session) -> None:
+        driver = self.drivers.pop(session, None)
+        if driver is not None:
+            self._counts.published += driver.commands
+
+    def _on_guard(self, state: GuardState) -> None:
+        self._apply(self._drive.set_guard(state, self._now_ns()))
+
+    def _set_timer(self) -> None:
+        due_ns = self._drive.due_ns
+        if self._is_closed or due_ns is None or (self._timer and self._timer_ns <= due_ns):
+            return  # a timer that comes too early sets the next
+        if self._timer:
+            self._timer.cancel()
+        delay_s = max(0.0, (due_ns - time.monotonic_ns()) / 1e9)
+        self._timer = asyncio.get_running_loop().call_later(delay_s, self._on_timer)
+        self._timer_ns = due_ns
+
+    def _on_timer(self) -> None:
+        self._timer = None
+        self._apply(self._drive.tick(time.monotonic_ns()))
+
+    def _close_if_idle(self) -> None:
+        if self.is_open and not self.drivers and not self._drive.needs_guard:
+            self._close()
+
+    def _close(self) -> None:
+        if self._publisher is not None:
+            self._publisher.close()
+        self._publisher = None
+        self.message_type = None

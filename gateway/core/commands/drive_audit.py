@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lines of the audit log about one command topic."""
+
+from collections.abc import Hashable
+
+from gateway.access.audit import Audit, Fact
+from gateway.core.names import TopicName
+from gateway.fronts.rosbridge.session import Session
+
+
+class DriveAudit:
+    """Records who drives, and what stops the robot."""
+
+    def __init__(self, audit: Audit, topic: TopicName) -> None:
+        self._audit = audit
+        self._topic = topic
+        self._holder: Hashable | None = None
+
+    def hold(self, holder: Hashable | None) -> None:
+        """Record who has control, if that has changed."""
+        if holder is not self._holder:
+            self._holder = holder
+            if holder is not None:
+                self.record("control_taken", holder)
+
+    def record(self, event: str, client: Hashable | None, **facts: Fact) -> None:
+        """Record an event, and whom it concerns."""
+        name = client.client if isinstance(client, Session) else None
+        if isinstance(client, Session) and client.identity is not None:
+            facts |= {"name": client.identity.name, "role": client.identity.role}
+            facts["address"] = client.address
+        self._audit.record(event, client=name, topic=self._topic, **facts)

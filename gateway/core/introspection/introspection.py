@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Requests about the gateway itself: clocks, limits, types, the graph."""
+
+import time
+
+from gateway.config.limits import Limits
+from gateway.core.introspection import graph_frames
+from gateway.core.introspection.assets import Assets
+from gateway.core.introspection.client_code import ClientCode
+from gateway.core.introspection.descriptions import Descriptions
+from gateway.core.introspection.help import DOCS, frames_to_try
+from gateway.core.topics.subscriptions import Subscriptions
+from gateway.core.visible_graph import visible
+from gateway.fronts.rosbridge import messages
+from gateway.fronts.rosbridge.operations import OPERATIONS
+from gateway.fronts.rosbridge.operations.gateway import Describe, GraphRequest, Hello, Help, Ping
+from gateway.fronts.rosbridge.session import Session
+from gateway.sources.source import Graph, Ros
+
+SERVER_NAME = "ros2-json-gateway"
+PROTOCOL = "rosbridge 2.0"
+
+
+class Introspection:
+    """Answers these requests, and sends changes of the graph to its watchers."""
+
+    def __init__(
+        self,
+        ros: Ros,
+        descriptions: Descriptions,
+        subscriptions: Subscriptions,
+        *,
+        limits: Limits,
+        version: str,
+    ) -> None:
+        self._ros = ros
+        self._client_code = ClientCode(descriptions.definitions)
+        self.generate = self._client_code.generate
+        self._assets = Assets()
+        self.fetch = self._assets.fetch
+        self._descriptions = descriptions
+        self._subscriptions = subscriptions
+        self._limits = limits
+        self._version = version
+        self._watching: dict[Session, str | int | None] = {}
+        self._seen: Graph | None = None  # the last snapshot that the watchers got
+
+    def close(self) -> None:
+        """End the threads, with what they are doing."""
+        self._client_code.close()
+        self._assets.close()
+
+    def ping(self, session: Session, request: Ping) -> None:
+        """Answer `ping` with ROS time and gateway time."""
+        session.answer(
+            "pong",
+            request.id,
+            value=request.value,
+            ros_time=messages.time(self._ros.now_ns()),
+            gateway_time=messages.time(time.time_ns()),
+        )
+
+    def hello(self, session: Session, request: Hello) -> None:
+        """Answer `hello` with the gateway's version and limits."""
+        session.answer(
+            "hello",
+            request.id,
+            server=SERVER_NAME,
+            version=self._version,
+            protocol=PROTOCOL,
+            ros_distro=self._ros.distro,
+            role=session.identity.role if session.identity else None,
+            limits=self._limits.for_hello(),
+        )
+
+    def help(self, session: Session, request: Help) -> None:
+        """Answer `help` with frames that can be pasted as they are."""
+        frames = frames_to_try(_seen_by(session, self._ros.graph()), session.may)
+        text = "send one of these lines as it is"
+        operations = list(OPERATIONS)
+        session.send(
+            messages.help_answer(request.id, text, frames, docs=DOCS, operations=operations)
+        )
+
+    def describe(self, session: Session, request: Describe) -> None:
+        """Answer `describe` with a type's schema, definition and hash, and a frame to paste.
+
+        Raises:
+            ProtocolError: the name is not that of an installed type, or of something that has one.
+        """
+        graph = _seen_by(session, self._ros.graph())
+        example, members = self._descriptions.describe(session, request.type, graph)
+        session.send(messages.description(request.id, example, members))
+
+    def graph(self, session: Session, request: GraphRequest) -> None:
+        """Answer `graph` with a snapshot, and start or stop watching for changes."""
+        now = self._ros.graph()
+        if request.watch is False:
+            self._watching.pop(session, None)
+        elif request.watch:
+            if not self._watching:
+                self._seen = now
+            self._watching[session] = request.id
+        rates_hz = self._subscriptions.rates_hz(time.monotonic_ns())
+        session.answer(
+            "graph", request.id, **graph_frames.picture(_seen_by(session, now), rates_hz)
+        )
+
+    def on_graph_change(self) -> None:
+        """Send the changes to the watchers."""
+        if not self._watching or self._seen is None:
+            return
+        before, now = self._seen, self._ros.graph()
+        self._seen = now
+        all_changes = graph_frames.changes(before, now)
+        for session, request_id in self._watching.items() if all_changes else ():
+            changes = all_changes
+            if session.is_restricted:
+                changes = graph_frames.changes(_seen_by(session, before), _seen_by(session, now))
+            if changes:
+                session.answer("graph", request_id, changes=changes)
+
+    def leave(self, session: Session) -> None:
+        """Send nothing more to a client."""
+        self._watching.pop(session, None)
+
+
+def _seen_by(session: Session, graph: Graph) -> Graph:
+    return visible(graph, session.sees) if session.is_restricted else graph

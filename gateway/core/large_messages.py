@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Messages of clients that take long to read, and are carried out in their own turn."""
+
+import time
+import weakref
+from collections.abc import Callable, Generator
+from functools import partial
+from typing import Final
+
+from gateway.fronts.rosbridge.operations import ClientOperation
+from gateway.fronts.rosbridge.session import Reading, Session
+
+TURN_S: Final = 0.004  # of reading, then the others have theirs
+
+
+class LargeMessages:
+    """Reads one at a time, so that the memory that this takes is that of one.
+
+    Later messages of the client are handled after it, as `Session.next_turn` promises.
+    """
+
+    def __init__(self, carry_out: Callable[[Session, ClientOperation], None]) -> None:
+        self._carry_out = carry_out
+        # the message of a client that is gone is freed
+        self._reading: Callable[[], Reading | None] = lambda: None
+
+    def receive(self, session: Session, work: ClientOperation | Reading) -> None:
+        """Read what is not read yet, and carry it out when others have had their turn."""
+        if isinstance(work, Generator):
+            self._read(session, work)
+        else:
+            session.next_turn(partial(self._carry_out, session, work))
+
+    def _read(self, session: Session, reading: Reading) -> None:
+        if self._reading() is None:
+            self._reading = weakref.ref(reading)
+        if self._reading() is reading:
+            end_s = time.monotonic() + TURN_S
+            try:
+                while time.monotonic() < end_s:
+                    next(reading)
+            except StopIteration as done:
+                if done.value is not None:
+                    self.receive(session, done.value)
+                return
+        session.next_turn(partial(self._read, session, reading))

@@ -1,0 +1,416 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All that waits for one client: control frames, which overtake, and bounded queues.
+
+No entry is encoded before its turn to be sent: a sample that is dropped was never decoded. An entry
+that comes while nothing waits and the socket has room is written directly.
+
+If the link is too slow for everything, its bytes are shared between small entries (state) and large
+ones (pictures, scans, maps). The queues of each kind share their part by start-time fair queueing
+(Goyal, Vin and Cheng, 1996). A queue that has less to send than its share does not wait.
+"""
+
+import enum
+import itertools
+from collections import deque
+from collections.abc import Callable, Sequence
+from heapq import heappop, heappush
+from math import inf
+from typing import Final, Literal, Protocol, TypeAlias
+
+from gateway.codec.pieces import Piece, Pieces
+
+
+class NoFrame(enum.Enum):
+    """Why an entry has no frame to send."""
+
+    NOT_READY = "not ready"  # a worker encodes it: ask again when the session is woken
+    NOTHING = "nothing"  # it cannot be encoded, and never will be
+
+
+NOT_READY: Final[Literal[NoFrame.NOT_READY]] = NoFrame.NOT_READY
+NOTHING: Final[Literal[NoFrame.NOTHING]] = NoFrame.NOTHING
+
+Frame: TypeAlias = bytes | Pieces | Literal[NoFrame.NOT_READY, NoFrame.NOTHING]
+
+
+class Entry(Protocol):
+    """Something to be sent, encoded when its turn has come."""
+
+    @property
+    def size(self) -> int:
+        """The bytes that this entry keeps alive while it waits."""
+
+    @property
+    def is_being_encoded(self) -> bool:
+        """True while a worker encodes it: it must not be dropped any more."""
+
+    @property
+    def arrived_ns(self) -> int:
+        """The time at which DDS had it, by the system clock. 0 if it did not just come from DDS."""
+
+    def frame(self) -> Frame:
+        """Return the bytes to send, WebSocket header included, or why it has no bytes."""
+
+
+class PacedSocket(Protocol):
+    """A client's socket, for frames that need not wait. See `gateway.transport.pacing`.
+
+    The caller subtracts the bytes from the room after it writes: `write` may itself leave none.
+    """
+
+    room_bytes: int
+    """The bytes that may be written now. None or fewer while the socket or the link is full."""
+
+    write: Callable[[bytes], object]
+
+
+WriteDirectly = Callable[[Entry], int]
+"""Write an entry to the socket. Return its bytes, 0 if it is not ready or the socket is busy."""
+
+OnTimed = Callable[[int], None]
+"""Take the time at which an entry arrived that was just handed to the socket."""
+
+OnSent = Callable[[int], None]
+"""Take the bytes of a frame that was just handed to the socket."""
+
+# Of so many entries of a queue that have waited, one is timed when it is sent.
+TIMED_EVERY: Final = 16
+
+# Odometry with its covariances is smaller, a scan of 1,000 rays larger.
+LARGE_FRAME_BYTES: Final = 4096
+# Of a link that is too slow for both: a robot is driven by its state, a picture can be smaller.
+LARGE_SHARE: Final = 0.2
+# Bytes that the link does not drain in this time arrive old, so newer entries replace them.
+FRESH_S: Final = 0.05
+
+
+class Queue:
+    """Entries that wait, oldest first, for example of a subscription. If full, drops the oldest.
+
+    ``depth`` bounds their number and ``max_bytes`` their size, but one entry always fits.
+    """
+
+    __slots__ = (
+        "_outbox",
+        "claimed",
+        "coalesced",
+        "depth",
+        "discarded",
+        "dropped",
+        "finish_bytes",
+        "finish_kind",
+        "is_latched",
+        "max_bytes",
+        "on_sent",
+        "on_timed",
+        "sent",
+        "sent_bytes",
+        "size",
+        "waiting",
+    )
+
+    def __init__(self, outbox: "Outbox", depth: int, max_bytes: int | None) -> None:
+        self._outbox = outbox
+        self.depth = depth
+        self.max_bytes = max_bytes
+        self.waiting: deque[Entry] = deque()
+        self.claimed: Entry | None = None  # its turn has come, but it is still being encoded
+        self.size = 0
+        self.sent = 0
+        self.sent_bytes = 0
+        self.dropped = 0
+        self.discarded = 0  # could not be encoded, or nobody wanted them any more
+        self.coalesced = 0  # never came here: a throttle let a newer one pass in their place
+        self.on_timed: OnTimed | None = None  # gets one in `TIMED_EVERY` of what has waited
+        # whether its topic says each thing once: then no entry stands for an older one
+        self.is_latched: Callable[[], bool] = lambda: False
+        self.on_sent: OnSent | None = None  # gets all of what has waited
+        # the end of the bytes that it has sent, by the clock of this kind: start-time fair queueing
+        self.finish_bytes = 0.0
+        self.finish_kind: _Kind | None = None
+
+    @property
+    def pending(self) -> int:
+        """The number of entries that wait."""
+        return len(self.waiting) + (self.claimed is not None)
+
+    @property
+    def kind(self) -> "_Kind":
+        """The queues that it shares the link with, by its next entry. There must be one."""
+        entry = self.waiting[0] if self.claimed is None else self.claimed
+        return self._outbox.large if entry.size > LARGE_FRAME_BYTES else self._outbox.small
+
+    @property
+    def behind_bytes(self) -> float:
+        """About what the link has to drain before the newest entry, if older ones may be dropped.
+
+        They may unless the client has asked for a length, or its topic is latched.
+        """
+        behind = len(self.waiting) - 1
+        if behind <= 0 or self.max_bytes is None or self.is_latched():
+            return 0.0
+        # frames are longer than what they are made of
+        return behind * (self.sent_bytes / self.sent if self.sent else self.waiting[0].size)
+
+    def put(self, entry: Entry, *, more: bool = False) -> bool:
+        """Write an entry directly if possible, else append it and drop what does not fit.
+
+        *more* says that others follow at once, to be written together. Return whether the client
+        has to be woken, for what waits.
+        """
+        outbox = self._outbox
+        write_directly = outbox.write_directly
+        if write_directly is not None and not (more or outbox.size):
+            written = write_directly(entry)
+            if written:
+                self.sent += 1
+                self.sent_bytes += written
+                return False
+        self.waiting.append(entry)
+        self.size += entry.size
+        outbox.grow(entry.size)
+        while len(self.waiting) > self.depth or (
+            self.max_bytes is not None and self.size > self.max_bytes and len(self.waiting) > 1
+        ):
+            self.drop_oldest()
+        outbox.shed()
+        return True
+
+    def drop_oldest(self) -> None:
+        """Drop the entry that has waited longest, and count it."""
+        self._forget(self.waiting.popleft())
+        self.dropped += 1
+
+    def next(self) -> bytes | Pieces | None:
+        """Take the oldest entry's frame. ``None`` if no entry is ready."""
+        while self.claimed is not None or self.waiting:
+            entry = self.claimed if self.claimed is not None else self.waiting[0]
+            frame = entry.frame()
+            # An entry that nobody encodes yet can still be dropped for a newer one.
+            if self.claimed is None and (frame is not NOT_READY or entry.is_being_encoded):
+                self.claimed = self.waiting.popleft()
+            if frame is NOT_READY:
+                return None
+            self._forget(entry)
+            self.claimed = None
+            if frame is not NOTHING:
+                self.sent += 1
+                self.sent_bytes += len(frame)
+                if self.on_sent is not None:
+                    self.on_sent(len(frame))
+                if not self.sent % TIMED_EVERY and self.on_timed is not None:
+                    self.on_timed(entry.arrived_ns)
+                return frame
+            self.discarded += 1
+        return None
+
+    def clear(self) -> None:
+        """Forget everything that waits: nobody wants it any more."""
+        self.discarded += self.pending
+        self._outbox.grow(-self.size)
+        self.size = 0
+        self.waiting.clear()
+        self.claimed = None
+
+    def _forget(self, entry: Entry) -> None:
+        self.size -= entry.size
+        self._outbox.grow(-entry.size)
+
+
+class Outbox:
+    """Everything that waits for one client, within one budget of bytes.
+
+    Over the budget the queue that holds most loses its oldest entry: a camera cannot push out
+    odometry. Control frames are never dropped, and one of them always fits, as large as it is: a
+    client that reads gets it. `overflowed` says when those behind it alone exceed the budget, and
+    then the client is beyond help.
+    """
+
+    def __init__(self, max_bytes: int) -> None:
+        self.max_bytes = max_bytes
+        # of a connection, while it is open
+        self.write_directly: WriteDirectly | None = None
+        self.socket: PacedSocket | None = None
+        self.size = 0
+        self.control_sent = 0
+        self._control: deque[bytes] = deque()
+        self._control_size = 0
+        self.bytes_per_s: float | None = None  # of the link, None if it is not too slow
+        self._queues: list[Queue] = []
+        self.small = _Kind(1 - LARGE_SHARE)
+        self.large = _Kind(LARGE_SHARE)
+        self._clock = 0.0  # the start of the kind that was served last
+        # of queues that were closed
+        self._past_coalesced = 0
+        self._past_dropped = 0
+        self._past_sent = 0
+
+    @property
+    def overflowed(self) -> bool:
+        """True when control frames alone exceed the budget, the oldest aside."""
+        return self._control_size - self._oldest_control_size > self.max_bytes
+
+    @property
+    def excess(self) -> int:
+        """The bytes that wait, the oldest control frame aside."""
+        return self.size - self._oldest_control_size
+
+    @property
+    def has_control(self) -> bool:
+        """True while a control frame waits."""
+        return bool(self._control)
+
+    @property
+    def dropped(self) -> int:
+        """The number of entries that were dropped, in all queues there ever were."""
+        return self._past_dropped + sum(queue.dropped for queue in self._queues)
+
+    @property
+    def coalesced(self) -> int:
+        """The number of samples that a throttle replaced by newer ones."""
+        return self._past_coalesced + sum(queue.coalesced for queue in self._queues)
+
+    @property
+    def sent(self) -> int:
+        """The number of frames that were taken, control frames included."""
+        return self.control_sent + self._past_sent + sum(queue.sent for queue in self._queues)
+
+    def connect(self, write_directly: WriteDirectly, socket: PacedSocket) -> None:
+        """Write past the queues from now on what need not wait."""
+        self.write_directly = write_directly
+        self.socket = socket
+
+    def disconnect(self) -> None:
+        """Write nothing any more but what is taken."""
+        self.write_directly = self.socket = None
+
+    def open_queue(self, depth: int, max_bytes: int | None) -> Queue:
+        """Add a queue."""
+        queue = Queue(self, depth, max_bytes)
+        self._queues.append(queue)
+        return queue
+
+    def close_queue(self, queue: Queue) -> None:
+        """Remove a queue with all that waits in it."""
+        queue.clear()
+        self._queues.remove(queue)
+        self._past_coalesced += queue.coalesced
+        self._past_dropped += queue.dropped
+        self._past_sent += queue.sent
+
+    def put_control(self, frame: bytes) -> None:
+        """Append a response or a status. It overtakes every queue."""
+        self._control.append(frame)
+        self._control_size += len(frame)
+        self.grow(len(frame))
+        self.shed()
+
+    def take(self, max_bytes: int) -> list[Piece]:
+        """Take what is ready: control frames first, then frames of the queues by fair shares.
+
+        Stops once *max_bytes* are reached, so it exceeds them by one frame at most. A frame in
+        pieces is taken as these.
+        """
+        taken: list[Piece] = []
+        left = max_bytes
+        while self._control and left > 0:
+            frame = self._control.popleft()
+            self._control_size -= len(frame)
+            self.grow(-len(frame))
+            self.control_sent += 1
+            taken.append(frame)
+            left -= len(frame)
+        # now, not for each entry that comes: it looks at all queues
+        if self.size and self.bytes_per_s is not None:
+            self._freshen(self.bytes_per_s * FRESH_S)
+        return self._take_queued(taken, left) if self.size else taken
+
+    def _take_queued(self, taken: list[Piece], left: int) -> list[Piece]:
+        """Add frames of the queues, those first that have had least. Each waits in a heap."""
+        order = itertools.count()
+        waiting: dict[_Kind, list[tuple[float, int, Queue]]] = {self.small: [], self.large: []}
+
+        def enter(queue: Queue) -> None:
+            kind = queue.kind
+            heappush(waiting[kind], (kind.start(queue), next(order), queue))
+
+        for queue in self._queues:
+            if queue.pending:
+                enter(queue)
+        while left > 0 and (kinds := [kind for kind, queues in waiting.items() if queues]):
+            for kind in kinds:  # one that had nothing to send is owed nothing
+                kind.finish_bytes = max(kind.finish_bytes, self._clock)
+            kind = min(kinds, key=lambda kind: kind.finish_bytes)
+            self._clock = kind.finish_bytes
+            start, _, queue = heappop(waiting[kind])
+            frame = queue.next()
+            size = 0 if frame is None else len(frame)
+            kind.serve(queue, start, size)
+            if frame is not None:
+                taken += [frame] if isinstance(frame, bytes) else frame.parts
+                left -= size
+                if queue.pending:
+                    enter(queue)
+        return taken
+
+    def drains(self, bytes_per_s: float | None) -> None:
+        """Take note of the rate at which the link drains. ``None`` if nobody needs to care."""
+        self.bytes_per_s = bytes_per_s
+
+    @property
+    def _oldest_control_size(self) -> int:
+        return len(self._control[0]) if self._control else 0
+
+    def grow(self, size: int) -> None:
+        """Account for bytes that came or, negative, went."""
+        self.size += size
+
+    def shed(self) -> None:
+        """Drop until the budget holds, or until one last entry is left to send."""
+        if self.size <= self.max_bytes:
+            return
+        waiting = sum(len(queue.waiting) for queue in self._queues)
+        while self.size > self.max_bytes and waiting > 1:
+            filled = (queue for queue in self._queues if queue.waiting)
+            max(filled, key=lambda queue: queue.size).drop_oldest()
+            waiting -= 1
+
+    def _freshen(self, drained_bytes: float) -> None:
+        """Drop what the link does not drain in time, except for the newest entry of each queue."""
+        for kind in (self.small, self.large):
+            queues = [queue for queue in self._queues if queue.waiting and queue.kind is kind]
+            most = _fair_part([queue.behind_bytes for queue in queues], drained_bytes * kind.share)
+            for queue in queues:
+                while queue.behind_bytes > most:
+                    queue.drop_oldest()
+
+
+class _Kind:
+    """Queues whose next entry is small, or large. They share their part of the link equally."""
+
+    __slots__ = ("_clock", "finish_bytes", "share")
+
+    def __init__(self, share: float) -> None:
+        self.share = share
+        self.finish_bytes = 0.0  # of the whole link, by the clock of the outbox
+        self._clock = 0.0  # the start of the queue that was served last
+
+    def start(self, queue: Queue) -> float:
+        """Return where a queue goes on. For a time with nothing of this kind it is owed nothing."""
+        return max(queue.finish_bytes, self._clock) if queue.finish_kind is self else self._clock
+
+    def serve(self, queue: Queue, start: float, size: int) -> None:
+        """Count a frame that was taken from a queue."""
+        self._clock = max(self._clock, start)
+        queue.finish_bytes, queue.finish_kind = start + size, self
+        self.finish_bytes += size / self.share
+
+
+def _fair_part(wanted: Sequence[float], room: float) -> float:
+    """Return what each may have at most, so that all together have no more than the room."""
+    for taken, least in enumerate(sorted(wanted)):
+        part = room / (len(wanted) - taken)
+        if least > part:
+            return part
+        room -= least
+    return inf

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Operations on the gateway itself: levels, clocks, types, the graph."""
+
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import Field, ValidationInfo, field_validator
+
+from gateway.fronts.rosbridge.operations.base import Operation
+from schemas.assembly_name import EXPECTATION, is_assembly_name
+
+# Ten times what a large package has: half a second of a thread.
+MAX_GENERATED_TYPES: Final = 300
+MAX_URI: Final = 4096  # characters, as many as a path of Linux has bytes
+
+
+class SetLevel(Operation):
+    """Choose the least severe `status` frames that this client wants."""
+
+    op = "set_level"
+    needs_permission = False
+    level: Literal["none", "error", "warning", "info"]
+
+
+class Hello(Operation):
+    """Ask for the server's identity and limits."""
+
+    op = "hello"
+    needs_permission = False
+
+
+class Help(Operation):
+    """Ask for lines to try. The plain text ``help`` also asks for them."""
+
+    op = "help"
+    needs_permission = False
+
+
+class Ping(Operation):
+    """Ask for the clocks. The answer repeats the value unchanged."""
+
+    op = "ping"
+    needs_permission = False
+    value: Any = None
+
+
+class Describe(Operation):
+    """Ask for the schema, the definition, the hash and an example of a type.
+
+    *type* names a message, service or action type, or a topic, service or action that has one.
+    """
+
+    op = "describe"
+    needs_permission = False
+    type: str | int
+
+
+class Generate(Operation):
+    """Ask for clients' code of some types, as the files of ``ros2-gateway generate --output``.
+
+    *types* are full names. *asmdef* names an assembly of Unity, for C# alone.
+    """
+
+    op = "generate"
+    needs_permission = False
+    language: Literal["csharp", "typescript", "python", "json-schema"]
+    types: Annotated[
+        tuple[str, ...], Field(strict=False, min_length=1, max_length=MAX_GENERATED_TYPES)
+    ]
+    asmdef: str | None = None
+
+    @field_validator("asmdef")
+    @classmethod
+    def _check_asmdef(cls, asmdef: str | None, info: ValidationInfo) -> str | None:
+        if asmdef is not None and not is_assembly_name(asmdef):
+            raise ValueError(f"expected {EXPECTATION}")
+        if asmdef is not None and info.data.get("language", "csharp") != "csharp":
+            raise ValueError("it is only for csharp")
+        return asmdef
+
+
+class FetchAsset(Operation):
+    """Ask for a part of a mesh or a texture of an installed package, from an offset in bytes."""
+
+    op = "fetch_asset"
+    needs_permission = False  # a mesh tells nothing of what the robot does
+    uri: Annotated[str, Field(max_length=MAX_URI)]
+    offset: Annotated[int, Field(ge=0)] = 0
+
+
+class GraphRequest(Operation):
+    """Ask for topics, services, actions and nodes.
+
+    Once or, with ``watch: true``, with all later changes. ``watch: false`` ends these.
+    """
+
+    op = "graph"
+    needs_permission = False
+    watch: bool | None = None
+
+
+class Events(Operation):
+    """Ask for what happens on the topics that clients use: publishers gone, deadlines missed ...
+
+    With ``watch: false`` no more of it.
+    """
+
+    op = "events"
+    needs_permission = False
+    watch: bool = True
+
+
+class Auth(Operation):
+    """Show a token: the first frame of a client that cannot send a header.
+
+    Of rosbridge's own fields (`mac`, `client`, ...) none is used: its shared secret authenticates
+    nobody in particular.
+    """
+
+    op = "auth"
+    needs_permission = False
+    token: str | None = None

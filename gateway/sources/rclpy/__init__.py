@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""ROS 2 through rclpy. Only this and the simulated robot import rclpy.
+
+Importing this needs no rclpy, opening does.
+
+The map is docs/contributing/architecture.md.
+"""
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
+
+from gateway.errors import RosMissingError
+from gateway.sources.rclpy.options import RosOptions
+from gateway.sources.rclpy.shared_memory import check_room, remove_abandoned_segments
+from gateway.sources.source import Ros
+from schemas.installed import InstalledDefinitions
+
+__all__ = ["RosOptions", "open_ros"]
+
+
+@contextlib.asynccontextmanager
+async def open_ros(
+    options: RosOptions | None = None,
+    definitions: InstalledDefinitions | None = None,
+    *,
+    makes_types: bool = False,
+) -> AsyncIterator[Ros]:
+    """Take part in ROS on the running loop, until the context ends, however it ends.
+
+    With *definitions*, publishers and subscribers that have another definition of a type are
+    reported, and servers that have one are not called. If it *makes_types*, types that are defined
+    and not installed can be used at once, see `gateway.sources.source.Ros.make_types`.
+
+    Several at once and one after another are fine. Starting blocks the loop for some tenths of a
+    second, ending for some hundredths: DDS opens and closes its sockets and threads.
+
+    Raises:
+        RosMissingError: rclpy cannot be imported.
+        RosError: ROS refuses the options.
+    """
+    remove_abandoned_segments()
+    check_room()  # before rclpy: its tracing ends the process by SIGBUS without room
+    try:
+        import rclpy  # noqa: F401
+    except ImportError as error:
+        raise RosMissingError(str(error)) from error
+    from gateway.sources.rclpy.message_classes import MessageClasses
+    from gateway.sources.rclpy.port import RclpyRos
+
+    classes = MessageClasses(definitions)
+    async with contextlib.AsyncExitStack() as undo:
+        undo.push_async_callback(classes.close)
+        # DDS opens its sockets while the other process tries
+        trying = asyncio.create_task(classes.make_types()) if makes_types else None
+        ros = RclpyRos(RosOptions() if options is None else options, classes)
+        undo.callback(ros.close)
+        if trying is not None:
+            await trying
+        yield ros

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Actions as rclpy takes them: the classes of their parts, and the ways from CDR to their messages.
+
+The parts that all actions share, which cancel a goal and publish its status, are not among them.
+"""
+
+import struct
+from collections.abc import Callable
+from typing import Any, Final, Protocol
+
+from rclpy.serialization import deserialize_message, serialize_message
+
+from gateway.sources.rclpy.goal_ids import goal_id_of, with_goal_id, without_goal_id
+from gateway.sources.rclpy.made_types import MadeAction
+from gateway.sources.rclpy.raw_messages import ENCAPSULATION_BYTES, RawMessage
+from gateway.sources.rclpy.realignment import Realignment
+
+_HEADER: Final = b"\0\1\0\0"  # of little-endian CDR
+_ANSWER: Final = struct.Struct("<?3xiI")  # SendGoal_Response: accepted, and a stamp
+_STATUS_BYTES: Final = 1
+_UNKNOWN: Final = b"\0"  # action_msgs/msg/GoalStatus
+
+
+class ActionForm(Protocol):
+    """An action type. Goals, results and feedback are CDR, encapsulation header included.
+
+    Bytes that are not CDR of the type raise one of `gateway.sources.rclpy.errors.REFUSALS`, or a
+    `RosError`. A made class notices little of it.
+    """
+
+    @property
+    def type_name(self) -> str:
+        """The type, ``pkg/action/Name``."""
+
+    @property
+    def send_goal(self) -> Any:
+        """The class of the service that takes goals."""
+
+    @property
+    def get_result(self) -> Any:
+        """The class of the service that has results."""
+
+    @property
+    def feedback(self) -> type:
+        """The class of the topic of feedback."""
+
+    def to_goal_request(self, goal_id: bytes, goal: bytes) -> Any:
+        """Return the request that sends a goal."""
+
+    def read_goal_request(self, request: Any) -> tuple[bytes, bytes]:
+        """Return the goal's id, shorter than 16 bytes if it is malformed, and the goal."""
+
+    def to_goal_response(self, accepted_ns: int | None) -> Any:
+        """Return the response to a goal that was accepted at a time, or was rejected."""
+
+    def is_accepted(self, response: Any) -> bool:
+        """Return the server's answer to a goal."""
+
+    def to_result_request(self, goal_id: bytes) -> Any:
+        """Return the request for the result of a goal."""
+
+    def read_result_request(self, request: Any) -> bytes:
+        """Return the id of the goal whose result is asked for."""
+
+    def to_result_response(self, status: int, result: bytes | None = None) -> Any:
+        """Return the response with a result, or with an empty one."""
+
+    def read_result_response(self, response: Any) -> tuple[int, bytes]:
+        """Return the status and the result.
+
+        Raises:
+            RosError: ``internal``: the response is not CDR of the type.
+        """
+
+
+class PackageAction:
+    """The form of a class that a package has."""
+
+    def __init__(self, type_name: str, action_class: Any) -> None:
+        self.type_name = type_name
+        parts = action_class.Impl
+        self.send_goal = parts.SendGoalService
+        self.get_result = parts.GetResultService
+        self.feedback: type = parts.FeedbackMessage
+        self._result = action_class.Result
+
+    def to_goal_request(self, goal_id: bytes, goal: bytes) -> Any:
+        """See `ActionForm`."""
+        return deserialize_message(with_goal_id(goal_id, goal), self.send_goal.Request)
+
+    def read_goal_request(self, request: Any) -> tuple[bytes, bytes]:
+        """See `ActionForm`."""
+        return bytes(request.goal_id.uuid), serialize_message(request.goal)
+
+    def to_goal_response(self, accepted_ns: int | None) -> Any:
+        """See `ActionForm`."""
+        response = self.send_goal.Response()
+        if accepted_ns is not None:
+            response.accepted = True
+            response.stamp.sec, response.stamp.nanosec = divmod(accepted_ns, 10**9)
+        return response
+
+    def is_accepted(self, response: Any) -> bool:
+        """See `ActionForm`."""
+        return bool(response.accepted)
+
+    def to_result_request(self, goal_id: bytes) -> Any:
+        """See `ActionForm`."""
+        request = self.get_result.Request()
+        request.goal_id.uuid = list(goal_id)
+        return request
+
+    def read_result_request(self, request: Any) -> bytes:
+        """See `ActionForm`."""
+        return bytes(request.goal_id.uuid)
+
+    def to_result_response(self, status: int, result: bytes | None = None) -> Any:
+        """See `ActionForm`."""
+        response = self.get_result.Response(status=status)
+        if result is not None:
+            response.result = deserialize_message(result, self._result)
+        return response
+
+    def read_result_response(self, response: Any) -> tuple[int, bytes]:
+        """See `ActionForm`."""
+        return response.status, serialize_message(response.result)
+
+
+class MadeActionForm:
+    """The form of the classes of `gateway.sources.rclpy.made_types`.
+
+    *result* is the layout of its result, and *empty_result* gets what comes before an empty one.
+    """
+
+    def __init__(
+        self,
+        type_name: str,
+        made: MadeAction,
+        result: Realignment,
+        empty_result: Callable[[bytes], bytes],
+    ) -> None:
+        self.type_name = type_name
+        self.send_goal = made.send_goal
+        self.get_result = made.get_result
+        self.feedback = made.feedback
+        self._result = result
+        self._empty_result = empty_result
+
+    def to_goal_request(self, goal_id: bytes, goal: bytes) -> Any:
+        """See `ActionForm`."""
+        return self.send_goal.Request(with_goal_id(goal_id, goal))
+
+    def read_goal_request(self, request: RawMessage) -> tuple[bytes, bytes]:
+        """See `ActionForm`."""
+        return goal_id_of(request.cdr), without_goal_id(request.cdr)
+
+    def to_goal_response(self, accepted_ns: int | None) -> Any:
+        """See `ActionForm`."""
+        stamp = divmod(accepted_ns or 0, 10**9)
+        return self.send_goal.Response(_HEADER + _ANSWER.pack(accepted_ns is not None, *stamp))
+
+    def is_accepted(self, response: RawMessage) -> bool:
+        """See `ActionForm`."""
+        return any(response.cdr[ENCAPSULATION_BYTES : ENCAPSULATION_BYTES + 1])
+
+    def to_result_request(self, goal_id: bytes) -> Any:
+        """See `ActionForm`."""
+        return self.get_result.Request(_HEADER + goal_id)
+
+    def read_result_request(self, request: RawMessage) -> bytes:
+        """See `ActionForm`."""
+        return goal_id_of(request.cdr)
+
+    def to_result_response(self, status: int, result: bytes | None = None) -> Any:
+        """See `ActionForm`."""
+        first = struct.pack("b", status)
+        if result is None:
+            return self.get_result.Response(_HEADER + self._empty_result(first))
+        return self.get_result.Response(self._moved(result, 0, first))
+
+    def read_result_response(self, response: RawMessage) -> tuple[int, bytes]:
+        """See `ActionForm`."""
+        cdr = response.cdr
+        first = cdr[ENCAPSULATION_BYTES : ENCAPSULATION_BYTES + _STATUS_BYTES] or _UNKNOWN
+        (status,) = struct.unpack("b", first)
+        return status, self._moved(cdr, _STATUS_BYTES, b"")
+
+    def _moved(self, cdr: bytes, start: int, before: bytes) -> bytes:
+        header, body = cdr[:ENCAPSULATION_BYTES], cdr[ENCAPSULATION_BYTES:]
+        is_little_endian = header[1:2] == _HEADER[1:2]
+        return header + self._result.move(body, start, before, is_little_endian=is_little_endian)

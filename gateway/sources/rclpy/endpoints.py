@@ -1,0 +1,414 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Clients and servers of services whose messages the event loop itself takes and sends.
+
+Services consist of these, and so does most of an action. No executor is involved: in rclpy 7.1 a
+service that answers later fails on the EventsExecutor, and actions lose results on it.
+"""
+
+import asyncio
+import logging
+from collections import deque
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+from gateway.config.limits import MAX_QUEUE_DEPTH
+from gateway.sources.rclpy import rclpy_private
+from gateway.sources.rclpy.errors import REFUSALS, creation, losses, refused, remapped
+from gateway.sources.rclpy.groups import group_of_one
+from gateway.sources.rclpy.ready_events import ReadyEvents
+from gateway.sources.source import MAX_TAKES_PER_TURN, RosError
+
+# How soon a new server gets the requests that wait for it: the graph shows a server before DDS has
+# matched both its topics, and nothing reports that match.
+LOOK_S: Final = 0.02
+# A server keeps 10 requests that it has not taken, the default of ROS, and DDS drops any more
+# without an error. So this many are in flight at most. While no answer comes, one more is sent each
+# second: a server that answers late, or never, has most likely taken the oldest by then.
+MAX_IN_FLIGHT: Final = 10
+PACING_S: Final = 1.0
+# rmw waits 0.1 s, and blocks the event loop, for a client whose reader DDS has not matched yet, as
+# on a bad network. Then the response is lost. It is sent once more after this time.
+SEND_AGAIN_S: Final = 1.0
+# A client whose reader never matches, such as one that requests transient_local, costs these waits
+# each time. A request does not show which client sent it: after this many waits the service sends
+# no responses for a while, which leaves the loop 94 % of its time.
+MAX_STALLS: Final = 3
+STALLED_S: Final = 10.0
+
+_logger = logging.getLogger(__name__)
+
+# Sends the response, unless the server is closed. A response to a client that has gone is lost.
+Reply = Callable[[Any], None]
+OnRequest = Callable[[Any, Reply], None]
+# Servers by their DDS readers. See `gateway.sources.rclpy.service_versions`.
+FindConflict = Callable[[frozenset[bytes]], RosError | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoints:
+    """The loop of clients and servers, and the node to create them on, which nothing spins."""
+
+    node: Node
+    ready_events: ReadyEvents
+    loop: asyncio.AbstractEventLoop
+
+
+class _UnderWay(NamedTuple):
+    response: asyncio.Future[Any]
+    servers: frozenset[bytes]  # that may have the request
+
+
+class Requester:
+    """A client of rclpy with any number of requests under way."""
+
+    def __init__(
+        self,
+        endpoints: Endpoints,
+        service_class: Any,
+        name: str,
+        *,
+        subject: str,
+        is_ready: Callable[[], bool] = lambda: True,
+        is_paced: Callable[[], bool] = lambda: True,
+        find_conflict: FindConflict = lambda _: None,
+    ) -> None:
+        """Create it. The text of its errors begins with *subject*, such as ``service /reset``.
+
+        Requests wait while *is_ready* returns false, even if there is a server. While *is_paced*
+        returns true, requests beyond `MAX_IN_FLIGHT` wait as well. *find_conflict* gets the servers
+        that there are, and may return the error with which requests fail.
+
+        Raises:
+            RosError: ROS refuses it, or gives it another name.
+        """
+        node = endpoints.node
+        self._node = node
+        self._name = name
+        self._loop = endpoints.loop
+        self._subject = subject
+        self._is_other_ready = is_ready
+        self._is_paced = is_paced
+        self._find_conflict = find_conflict
+        self._response_class = service_class.Response
+        self._waiting: dict[asyncio.Future[Any], Any] = {}
+        self._under_way: dict[int, _UnderWay] = {}
+        self._in_flight: dict[int, None] = {}  # those of them that count as not taken, oldest first
+        self._pacing: asyncio.TimerHandle | None = None
+        self._next_look: asyncio.TimerHandle | None = None
+        self._is_closed = False
+        with creation(subject):
+            self._source = endpoints.ready_events.open(
+                "client",
+                lambda: node.create_client(
+                    service_class, name, qos_profile=_profile(), callback_group=group_of_one()
+                ),
+                node.destroy_client,
+                self._take,
+            )
+        self._client = self._source.entity
+        self._send_request = rclpy_private.request_sender(self._client)
+        self._take_response = rclpy_private.response_taker(self._client)
+        given = self._client.service_name
+        if given != name:
+            self.close()
+            raise remapped(subject, given)
+
+    @property
+    def is_ready(self) -> bool:
+        """True while there is a server to send to."""
+        return bool(self._client.service_is_ready()) and self._is_other_ready()
+
+    def send(self, request: Any, *, waits: bool = True) -> "asyncio.Future[Any]":
+        """Send a request and return its future response.
+
+        While there is no server the request waits, or fails unless it *waits*. Cancelling the
+        future forgets the request. It fails with a `RosError`, ``not_found``, when the server has
+        gone since it got the request, or this is closed.
+        """
+        response = self._loop.create_future()
+        if self._is_closed:
+            self._fail(response, self._closed())
+        elif not waits and not self.is_ready:
+            if self._find_servers():  # half of another one has come: see `_find_lost`
+                self._send(request, response)
+            else:
+                self._fail(response, self._gone())
+        else:
+            self._waiting[response] = request
+            response.add_done_callback(self._forget)
+            self._send_waiting()
+        return response
+
+    def is_waiting(self, response: "asyncio.Future[Any]") -> bool:
+        """Return whether a request has not been sent yet."""
+        return response in self._waiting
+
+    def follow_graph(self) -> None:
+        """Send to servers that have come, and fail the requests of those that have gone."""
+        lost = self._find_lost()
+        if lost:
+            self._take()  # a response that has arrived already counts
+        for response in lost:
+            self._fail(response, self._gone())
+        self._send_waiting()
+
+    def flush(self) -> None:
+        """Send at once the requests that wait only because of pacing."""
+        self._send_waiting(is_flush=True)
+
+    def close(self) -> None:
+        """Destroy it and fail what is under way. Closing twice is harmless."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        if self._next_look is not None:
+            self._next_look.cancel()
+        self._source.close()
+        self.fail_all()
+
+    def fail_all(self, *, but: Collection["asyncio.Future[Any]"] = ()) -> None:
+        """Fail the requests that wait or are under way, as `close` does, except for *but*."""
+        responses = [each.response for each in self._under_way.values()]
+        for response in [*responses, *self._waiting]:
+            if response not in but:
+                self._fail(response, self._closed())
+
+    def _find_lost(self) -> "list[asyncio.Future[Any]]":
+        if not self._under_way:
+            return []
+        # Not whether it is ready. Another server may have replaced one that died without notice. If
+        # DDS has found half of a server, the service is not ready, although another one answers.
+        servers = self._find_servers()
+        is_unready = not self.is_ready  # counts for those whose servers nobody could tell
+        return [
+            each.response
+            for each in self._under_way.values()
+            if (each.servers.isdisjoint(servers) if each.servers else is_unready)
+        ]
+
+    def _find_servers(self) -> frozenset[bytes]:
+        """Identify the servers by their DDS readers. 40 us.
+
+        Empty with an rmw that names these topics otherwise than those of Fast DDS and Cyclone DDS.
+        """
+        topic = f"rq{self._name}Request"
+        readers = self._node.get_subscriptions_info_by_topic(topic, no_mangle=True)
+        return frozenset(bytes(reader.endpoint_gid) for reader in readers)
+
+    def _look_again(self) -> None:
+        if self._next_look is None:
+            self._next_look = self._loop.call_later(LOOK_S, self._look_now)
+
+    def _look_now(self) -> None:
+        self._next_look = None
+        self._send_waiting()
+
+    def _send_waiting(self, *, is_flush: bool = False) -> None:
+        while self._waiting and (
+            is_flush or len(self._in_flight) < MAX_IN_FLIGHT or not self._is_paced()
+        ):
+            if not self.is_ready:
+                self._look_again()
+                break
+            response = next(iter(self._waiting))
+            request = self._waiting.pop(response)
+            if not response.done():
+                self._send(request, response)
+
+    def _send(self, request: Any, response: "asyncio.Future[Any]") -> None:
+        # Looked up each time: a change of the graph is reported later than a server is ready.
+        servers = self._find_servers()
+        conflict = self._find_conflict(servers)
+        if conflict is not None:
+            self._fail(response, conflict)
+            return
+        try:
+            number = self._send_request(request)
+        except REFUSALS as error:
+            self._fail(response, refused(self._subject, error))
+            return
+        self._under_way[number] = _UnderWay(response, servers)
+        self._in_flight[number] = None
+        if self._pacing is None:
+            self._restart_pacing()
+        response.add_done_callback(lambda _: self._end(number))
+
+    def _end(self, number: int) -> None:
+        del self._under_way[number]
+        if number in self._in_flight:
+            self._make_room(number)
+
+    def _make_room(self, number: int) -> None:
+        del self._in_flight[number]
+        self._restart_pacing()
+        if not self._is_closed:
+            self._send_waiting()
+
+    def _restart_pacing(self) -> None:
+        """Count the oldest as taken once no place has become free for `PACING_S`."""
+        if self._pacing is not None:
+            self._pacing.cancel()
+            self._pacing = None
+        if self._in_flight and not self._is_closed:
+            self._pacing = self._loop.call_later(
+                PACING_S, self._make_room, next(iter(self._in_flight))
+            )
+
+    def _take(self) -> None:
+        for _ in range(MAX_TAKES_PER_TURN):
+            info, message = self._take_response(self._response_class)
+            is_pending = self._source.count_take()
+            if info is None:
+                if is_pending:
+                    continue  # it could not be read
+                return
+            request = self._under_way.get(info.request_id.sequence_number)
+            if request is not None and not request.response.done():
+                request.response.set_result(message)
+        self._source.notify_again()  # there may be more
+
+    def _forget(self, response: "asyncio.Future[Any]") -> None:
+        self._waiting.pop(response, None)
+
+    def _gone(self) -> RosError:
+        return RosError("not_found", f"{self._subject} has gone")
+
+    def _closed(self) -> RosError:
+        return RosError("not_found", f"the client of {self._subject} is closed")
+
+    def _fail(self, response: "asyncio.Future[Any]", error: RosError) -> None:
+        if not response.done():
+            response.set_exception(error)
+            response.exception()  # marks it as retrieved: nobody has to await it
+
+
+class Replier:
+    """A server of rclpy."""
+
+    def __init__(
+        self,
+        endpoints: Endpoints,
+        service_class: Any,
+        name: str,
+        on_request: OnRequest,
+        *,
+        subject: str,
+    ) -> None:
+        """Create it. The text of its errors begins with *subject*, such as ``service /reset``.
+
+        Raises:
+            RosError: ROS refuses it, or gives it another name.
+        """
+        node = endpoints.node
+        self._subject = subject
+        self._loop = endpoints.loop
+        self._on_request = on_request
+        self._request_class = service_class.Request
+        self._is_draining = False
+        self._is_closed = False
+        self.has_replied = False
+        self._stalls: deque[float] = deque(maxlen=MAX_STALLS)  # the times of the last ones
+        self._silent_until = self._loop.time()
+        with creation(subject):
+            self._source = endpoints.ready_events.open(
+                "service",
+                lambda: node.create_service(
+                    service_class,
+                    name,
+                    _never_called,
+                    qos_profile=_profile(),
+                    callback_group=group_of_one(),
+                ),
+                node.destroy_service,
+                self._take,
+            )
+        service = self._source.entity
+        self._take_request = rclpy_private.request_taker(service)
+        self._send_response = rclpy_private.response_sender(service)
+        given = service.service_name
+        if given != name:
+            self._source.close()
+            raise remapped(subject, given)
+
+    def drain(self) -> None:
+        """Pass all that has arrived to *on_request*. Called from within that, do nothing."""
+        if self._is_draining:
+            return
+        self._is_draining = True
+        try:
+            for _ in range(MAX_QUEUE_DEPTH):
+                if self._is_closed or not self._take_one():
+                    break
+        finally:
+            self._is_draining = False
+
+    def close(self) -> None:
+        """Pass what has arrived to *on_request*, which must reply within the call. Destroy it.
+
+        No request comes after. Closing twice is harmless.
+        """
+        if self._is_closed:
+            return
+        try:
+            self.drain()
+        finally:
+            self._is_closed = True
+            self._source.close()
+
+    def _take(self) -> None:
+        if not self._is_draining:
+            self._take_one()
+
+    def _take_one(self) -> bool:
+        """Take one request. Return whether there may be more."""
+        request, info = self._take_request(self._request_class)
+        if not self._source.count_take() and info is None:
+            return False
+        # One request a turn. Before the callback: what that raises must not delay other requests.
+        self._source.notify_again()
+        if info is not None:  # it could be read
+            self._on_request(request, lambda response: self._reply(response, info.request_id))
+        return True
+
+    def _reply(self, response: Any, request_id: rclpy_private.RequestId) -> None:
+        if self._is_closed or self._loop.time() < self._silent_until:
+            return
+        self.has_replied = True
+        if not self._send(response, request_id):
+            self._loop.call_later(SEND_AGAIN_S, self._send_again, response, request_id)
+            self._stall()
+
+    def _send_again(self, response: Any, request_id: rclpy_private.RequestId) -> None:
+        # also while the service is silent: these are as few as the waits before
+        if not self._is_closed and not self._send(response, request_id):
+            _logger.warning("%s: a client's QoS does not let it get responses", self._subject)
+
+    def _send(self, response: Any, request_id: rclpy_private.RequestId) -> bool:
+        """Send a response. Return whether rmw found the client in time."""
+        with losses(self._subject) as waits:
+            self._send_response(response, request_id)
+        return not waits
+
+    def _stall(self) -> None:
+        now = self._loop.time()
+        self._stalls.append(now)
+        if len(self._stalls) == MAX_STALLS and now - self._stalls[0] < STALLED_S:
+            self._stalls.clear()
+            self._silent_until = now + STALLED_S
+            _logger.warning(
+                "%s: no responses for %g s, as its clients do not get them: see their QoS",
+                *(self._subject, STALLED_S),
+            )
+
+
+def _profile() -> QoSProfile:
+    # The default of ROS is also reliable and volatile, but keeps 10: the rest of a burst is lost.
+    return QoSProfile(depth=MAX_QUEUE_DEPTH)
+
+
+def _never_called(*_: object) -> None:
+    """Serve as the callback that rclpy requires. Nothing calls it."""

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shared memory that Fast DDS leaves behind when its process is killed.
+
+Each participant writes its samples into its segment (0.5 MB, more for large messages) and holds a
+lock on a file next to it. A participant that ends removes both. If one is killed, another one that
+has received from it removes them. Otherwise they stay until the machine restarts or a person calls
+``fastdds shm clean``.
+
+A process that is killed while it writes to another one, or reads, keeps the mutex of that port.
+Fast DDS waits 1 s for it before it gives up (``BOOST_INTERPROCESS_TIMEOUT_WHEN_LOCKING``).
+"""
+
+import contextlib
+import fcntl
+import logging
+import os
+import re
+import resource
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from gateway.log_fields import counted
+from gateway.sources.source import RosError
+
+FOLDER: Final = Path("/dev/shm")  # noqa: S108  # where POSIX' shm_open puts it on Linux
+# A participant that starts creates the file first, and takes the lock a moment later.
+MIN_AGE_S: Final = 2
+NEEDED_BYTES: Final = 16 * 1024  # by lttng-ust, which rclpy loads: two pages
+
+# Fast DDS 2, Fast DDS 3. Ports have other names, and are used again by the next participant.
+_LOCK: Final = re.compile(r"(fastrtps|fastdds)_[0-9a-f]{16}_el")
+
+_logger = logging.getLogger(__name__)
+
+
+def remove_abandoned_segments(folder: Path = FOLDER) -> int:
+    """Remove the segments of this user whose owner is dead, and return their number.
+
+    A process that still reads one keeps it until it has finished.
+    """
+    removed = 0
+    with contextlib.suppress(OSError):  # there is no such folder
+        for path in list(folder.iterdir()):
+            if _LOCK.fullmatch(path.name):
+                with contextlib.suppress(OSError):  # it is locked, or has gone
+                    removed += _remove_if_abandoned(path)
+    if removed:
+        segments = counted(removed, "segment")
+        _logger.info("removed %s of shared memory that killed programs left", segments)
+    return removed
+
+
+@contextlib.contextmanager
+def without_shared_memory() -> Iterator[None]:
+    """Keep Fast DDS from creating shared memory for the participants of this context.
+
+    They send and receive only by UDP. A profile cannot say so, because rmw chooses the transports
+    itself for the discovery range LOCALHOST. In this context the process cannot write to files.
+    """
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def check_room(folder: Path = FOLDER) -> None:
+    """Check that ROS can start. DDS itself does without shared memory if there is little room.
+
+    Raises:
+        RosError: there is no room.
+    """
+    try:
+        found = os.statvfs(folder)
+    except OSError:  # no such folder: DDS does without
+        return
+    free = found.f_bavail * found.f_frsize
+    if found.f_blocks and free < NEEDED_BYTES:
+        raise RosError(
+            "internal",
+            f"no space left in {folder}, {free} bytes free, needs {NEEDED_BYTES}",
+        )
+
+
+def _remove_if_abandoned(lock: Path) -> bool:
+    descriptor = os.open(lock, os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC)
+    try:
+        status = os.fstat(descriptor)
+        if status.st_uid != os.geteuid() or time.time() - status.st_mtime < MIN_AGE_S:
+            return False
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)  # raises if its owner lives
+        lock.with_name(lock.name.removesuffix("_el")).unlink(missing_ok=True)
+        lock.unlink()
+    finally:
+        os.close(descriptor)
+    return True

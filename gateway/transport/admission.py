@@ -1,0 +1,298 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Admission: the identity of a client, from its handshake or first frame, and after a reload."""
+
+import logging
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable
+from typing import Final, Protocol
+
+from websockets.datastructures import Headers
+from websockets.http11 import Request
+
+from gateway.access.audit import Audit
+from gateway.access.authentication import Authentication, AuthenticationError
+from gateway.access.credentials import token_in
+from gateway.access.permissions import Identity, Policy
+from gateway.access.tokens import Tokens
+from gateway.access.web_rules import WebRules
+from gateway.config.access import AccessConfig
+from gateway.core.errors import ProtocolError, StatusCode
+from gateway.fronts.rosbridge.operations.gateway import Auth
+from gateway.fronts.rosbridge.session import Session
+from gateway.transport.close_codes import (
+    GOING_AWAY,
+    OVER_CAPACITY,
+    POLICY_VIOLATION,
+    ROLE_REMOVED,
+    UNAUTHENTICATED,
+)
+from gateway.transport.http import Asker, offered_subprotocols
+
+# Operations that are refused with an answer before a client is cut off. A page may subscribe to all
+# that it shows before it sends the token, and gets an answer to each.
+MAX_REFUSALS: Final = 64
+
+
+class Entrant(Protocol):
+    """The part of a connection that admission needs."""
+
+    address: str
+    is_encrypted: bool  # by TLS
+
+    @property
+    def name(self) -> str:
+        """The address and number, for the log."""
+
+    @property
+    def session(self) -> Session | None:
+        """The session, while the WebSocket is open."""
+
+    def close(self, code: int, reason: str) -> None:
+        """Begin the closing handshake."""
+
+    def limit_messages(self, max_bytes: int) -> None:
+        """Accept messages of at most so many bytes from now on."""
+
+
+RoomFor = Callable[[Entrant], str | None]
+
+
+class TurnedAwayError(Exception):
+    """Raised when a client is not admitted, with a close code and a text."""
+
+    def __init__(self, close_code: int, status: StatusCode, reason: str) -> None:
+        super().__init__(reason)
+        self.close_code = close_code
+        self.status: StatusCode = status
+
+
+class Admission:
+    """Admits clients, and limits the number of those that have not sent their token.
+
+    *room_for* returns the reason why there is no room for another client, or ``None``. *rules* say
+    which pages get less than a program would.
+    """
+
+    def __init__(
+        self,
+        authentication: Authentication,
+        config: AccessConfig,
+        audit: Audit,
+        room_for: RoomFor,
+        rules: WebRules,
+    ) -> None:
+        self._authentication = authentication
+        self._config = config
+        self._audit = audit
+        self._room_for = room_for
+        self._rules = rules
+        self.failures: Counter[str] = Counter()  # of authentication, by kind
+        self._waiting: dict[Entrant, float] = {}  # since when, the oldest first
+
+    def __len__(self) -> int:
+        """Count the clients that have not sent their token."""
+        return len(self._waiting)
+
+    def identify(self, entrant: Entrant, headers: Headers) -> Identity | None:
+        """Return who a client is by its handshake, or ``None`` if its first frame must say it.
+
+        Raises:
+            TurnedAwayError: the token is invalid, or there is no room.
+        """
+        identity = self._without_token(entrant, headers)
+        token = token_in(headers.get_all("Authorization"), offered_subprotocols(headers))
+        if token is not None and self._authentication.looks_at_tokens:
+            identity = self._identify(entrant.address, token, entrant.name)
+        if identity is not None:
+            self._check_room(entrant)
+        return identity
+
+    def identify_scraper(self, asker: Asker, address: str, headers: Headers) -> Identity:
+        """Return the identity behind an HTTP request for metrics or images.
+
+        Raises:
+            TurnedAwayError: the token is missing or wrong.
+            CredentialsError: there are several tokens.
+        """
+        identity = self._without_token(asker, headers)
+        token = token_in(headers.get_all("Authorization"), ())
+        if token is not None and self._authentication.looks_at_tokens:
+            return self._identify(address, token, None)
+        if identity is None:
+            reason = "send a token: Authorization: Bearer TOKEN"
+            raise TurnedAwayError(UNAUTHENTICATED, "forbidden", reason)
+        return identity
+
+    def enter(self, entrant: Entrant, session: Session, request: Request, now_s: float) -> None:
+        """Take note of a client whose session has begun."""
+        session.authenticate = lambda operation: self._authenticate(entrant, session, operation)
+        if session.identity is not None:
+            self._record_connected(session, _shown_origin(request.headers))
+            return
+        self._waiting[entrant] = now_s
+        entrant.limit_messages(self._config.unauthenticated_message_bytes)
+        if len(self._waiting) > self._config.max_unauthenticated:
+            self._make_room()
+
+    def tick(self, now_s: float) -> None:
+        """Refuse clients that send no token for too long, or too many other operations."""
+        for entrant, since_s in list(self._waiting.items()):
+            session = entrant.session
+            if session is not None and session.refused > MAX_REFUSALS:
+                self._turn_away(
+                    entrant,
+                    POLICY_VIOLATION,
+                    "too many operations without a token: send the token first",
+                )
+            elif now_s - since_s > self._config.auth_timeout_s:
+                reason = f"no token within {self._config.auth_timeout_s:g} s"
+                self.failures["timeout"] += 1
+                self._turn_away(entrant, UNAUTHENTICATED, reason)
+
+    def left(self, entrant: Entrant, session: Session | None) -> None:
+        """Forget a client."""
+        self._waiting.pop(entrant, None)
+        if session is not None and session.identity is not None:
+            identity = session.identity
+            self._audit.record(
+                "disconnected",
+                client=session.client,
+                name=identity.name,
+                role=identity.role,
+                address=session.address,
+            )
+
+    def reload(
+        self, tokens: Tokens, policy: Policy, clients: Iterable[tuple[Entrant, Session]]
+    ) -> list[Session]:
+        """Use other tokens and permissions, and close the clients that these no longer fit.
+
+        A client whose permissions have changed is also closed, so everything that it has open ends.
+        It connects again with the new permissions. Return the sessions of closed clients.
+        """
+        ended = []
+        self._authentication.tokens = tokens
+        self._authentication.policy = policy
+        for entrant, session in clients:
+            before = session.identity
+            if before is None:
+                continue
+            now = self._authentication.current(before)
+            if now is None:
+                code, reason = UNAUTHENTICATED, "the token was revoked"
+            elif now.role != before.role:
+                code = ROLE_REMOVED
+                reason = f"the role of the token is {now.role} now, not {before.role}"
+            elif now.permissions.rules != before.permissions.rules:
+                code = GOING_AWAY
+                reason = f"the permissions of role {now.role} have changed, connect again"
+            else:
+                session.identity = now
+                continue
+            self._audit.record(
+                "revoked",
+                client=entrant.name,
+                name=before.name,
+                address=entrant.address,
+                code=code,
+                reason=reason,
+            )
+            entrant.close(code, reason)
+            ended.append(session)
+        return ended
+
+    def _authenticate(self, entrant: Entrant, session: Session, operation: Auth) -> None:
+        """Carry out an `auth` operation.
+
+        Raises:
+            ProtocolError: the token is missing, or the client has signed in already.
+        """
+        if operation.token is None:
+            if session.identity is None:
+                raise ProtocolError(
+                    "bad_request",
+                    "token is missing: send it as `token`, because rosbridge's `mac` is not used",
+                )
+            return  # from an old client, which needs no token
+        if self._authentication.looks_at_tokens:
+            try:
+                self._take_token(entrant, session, operation.token)
+            except TurnedAwayError as error:
+                session.refuse(ProtocolError(error.status, str(error)), operation)
+                self._waiting.pop(entrant, None)
+                entrant.close(error.close_code, str(error))
+                return
+        if operation.id is not None and session.identity is not None:
+            identity = session.identity
+            session.answer("auth", operation.id, name=identity.name, role=identity.role)
+
+    def _take_token(self, entrant: Entrant, session: Session, token: str) -> None:
+        identity = self._identify(entrant.address, token, entrant.name)
+        before = session.identity
+        if before is not None and before.digest is not None:
+            if before.digest != identity.digest:
+                text = f"this client is {before.name} already: connect again to be another"
+                raise ProtocolError("bad_request", text)
+            return
+        if before is None:
+            self._check_room(entrant)
+        self._waiting.pop(entrant, None)
+        session.identity = identity
+        entrant.limit_messages(session.limits.max_message_bytes)
+        self._record_connected(session, None)
+
+    def _without_token(self, entrant: Entrant | Asker, headers: Headers) -> Identity | None:
+        origin, host = headers.get("Origin"), headers["Host"]
+        standing = self._rules.standing(origin, host, is_encrypted=entrant.is_encrypted)
+        return self._authentication.without_token(is_local_page=standing == "local")
+
+    def _identify(self, address: str, token: str, client: str | None) -> Identity:
+        try:
+            return self._authentication.identify(token, address, time.monotonic())
+        except AuthenticationError as error:
+            self.failures["abuse" if error.is_abuse else "wrong"] += 1
+            self._audit.record("refused", client=client, address=address, reason=str(error))
+            close_code = POLICY_VIOLATION if error.is_abuse else UNAUTHENTICATED
+            raise TurnedAwayError(close_code, "forbidden", str(error)) from error
+
+    def _check_room(self, entrant: Entrant) -> None:
+        reason = self._room_for(entrant)
+        if reason is not None:
+            raise TurnedAwayError(OVER_CAPACITY, "limit_exceeded", reason)
+
+    def _make_room(self) -> None:
+        counts = Counter(entrant.address for entrant in self._waiting)
+        oldest = max(self._waiting, key=lambda each: counts[each.address])  # the first of equals
+        limit = self._config.max_unauthenticated
+        reason = f"over capacity: at most {limit} clients without a token"
+        self._turn_away(oldest, OVER_CAPACITY, reason)
+
+    def _turn_away(self, entrant: Entrant, code: int, reason: str) -> None:
+        del self._waiting[entrant]
+        self._audit.record("refused", client=entrant.name, address=entrant.address, reason=reason)
+        entrant.close(code, reason)
+
+    def _record_connected(self, session: Session, origin: str | None) -> None:
+        assert session.identity is not None  # noqa: S101  # the callers have set it
+        self._audit.record(
+            "connected",
+            client=session.client,
+            name=session.identity.name,
+            role=session.identity.role,
+            address=session.address,
+            origin=origin,
+        )
+
+
+def everybody(room_for: RoomFor, rules: WebRules) -> Admission:
+    """Return an admission that needs no tokens."""
+    policy = Policy(AccessConfig())
+    audit = Audit(time.time_ns, level=logging.DEBUG)
+    authentication = Authentication(Tokens(), policy, "admin")
+    return Admission(authentication, AccessConfig(), audit, room_for, rules)
+
+
+def _shown_origin(headers: Headers) -> str | None:
+    values = headers.get_all("Origin")
+    return values[0] if values else None

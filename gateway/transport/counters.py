@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The server's counts: sessions, ends of connections, refused handshakes, the loop's lag."""
+
+from collections import Counter, deque
+from typing import Final
+
+from gateway.metrics.histogram import Histogram
+from gateway.transport.end import End
+
+RECENT: Final = 40  # lags, ten seconds of them: /diagnostics is read by people
+
+# of RFC 6455. Clients can use any number from 1000 to 4999, so the others count together
+_CODES: Final = frozenset({*range(1000, 1004), *range(1005, 1016)})
+# of responses that begin no WebSocket, by the rule that refuses them
+_REFUSALS: Final = {
+    400: "malformed",
+    401: "token",
+    403: "origin",
+    404: "path",
+    405: "method",
+    421: "host",
+    426: "upgrade",
+    431: "headers",
+    500: "internal_error",
+    503: "busy",
+    504: "no_picture",
+}
+
+
+class ServerCounters:
+    """The counts. Clients cannot add labels."""
+
+    def __init__(self) -> None:
+        self.sessions = 0
+        self.ends: Counter[tuple[str, str, str]] = Counter()  # by whom, reason, code
+        self.handshakes_refused: Counter[str] = Counter()
+        self.lag = Histogram()
+        self._recent_s: deque[float] = deque(maxlen=RECENT)
+
+    @property
+    def max_lag_s(self) -> float:
+        """The largest lag of the last ten seconds."""
+        return max(self._recent_s, default=0.0)
+
+    def late(self, late_s: float) -> None:
+        """Count how late the loop was."""
+        self.lag.observe(late_s)
+        self._recent_s.append(late_s)
+
+    def ended(self, end: End, *, was_client: bool) -> None:
+        """Count the end of a connection."""
+        why = end.why
+        code = why.code
+        if why.by == "client" and code is not None and code not in _CODES:
+            shown = "other"
+        else:
+            shown = "" if code is None else str(code)
+        self.ends[why.by, why.reason, shown] += 1
+        if not was_client and why.reason != "http":
+            refusal = "none" if why.by != "gateway" else _REFUSALS.get(code or 0, why.reason)
+            self.handshakes_refused[refusal] += 1

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Images of a topic over plain HTTP for an `<img>`: one, or one after the other.
+
+Each viewer is a session of the router with one subscription. So it shares images with other
+subscribers that have the same options, and a slow viewer gets only the newest image.
+"""
+
+import asyncio
+import time
+from collections.abc import Iterator
+from typing import Final
+from urllib.parse import urlsplit
+
+import orjson
+import pybase64
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+from websockets.server import ServerProtocol
+
+from gateway.access.permissions import Identity
+from gateway.core.errors import ProtocolError
+from gateway.core.router import Router
+from gateway.fronts.rosbridge.operations.topics import Subscribe
+from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.websocket_frames import payload
+from gateway.sources.source import RosError
+from gateway.transport.http import Asker, page
+from gateway.transport.picture_requests import (
+    SNAPSHOT,
+    VIEWER,
+    PictureRequestError,
+    picture_request,
+    viewer_page,
+)
+
+# Each may hold one picture that waits, one that is encoded and one in the socket: with 16 pictures
+# of VGA 30 MB. More people look at a robot by its pages.
+MAX_VIEWERS: Final = 16
+WAIT_S: Final = 5.0  # for the first picture: cameras of 1 Hz are slow ones
+
+_JPEG: Final = "image/jpeg"
+_HTML: Final = "text/html; charset=utf-8"
+_POLICY: Final = "; ".join(("default-src 'none'", "img-src 'self'"))
+_BOUNDARY: Final = "next-picture"
+# Browsers show a picture when the boundary behind it has come, so it is sent along.
+_DELIMITER: Final = f"\r\n--{_BOUNDARY}\r\n".encode()
+_MULTIPART: Final = f"multipart/x-mixed-replace; boundary={_BOUNDARY}"
+
+_STATUS: Final = {"not_found": 404, "forbidden": 403, "limit_exceeded": 503, "internal": 500}
+
+
+class Viewer:
+    """One request for pictures, until it is answered or its connection ends.
+
+    The router wakes it by `flush`, and its connection calls `tick` with the time.
+    """
+
+    def __init__(
+        self, pictures: "Pictures", protocol: ServerProtocol, request: Request, asker: Asker
+    ) -> None:
+        self._pictures = pictures
+        self._protocol = protocol
+        self._request = request
+        self._asker = asker
+        self._is_single = urlsplit(request.path).path == SNAPSHOT
+        self._opened_s = time.monotonic()
+        self._has_begun = False
+        self._is_over = False
+        self._flushing = False
+        self._warning = ""
+        self.session: Session
+        self.topic = ""
+
+    def flush(self) -> None:
+        """Send the newest picture, if the socket takes it."""
+        if self._flushing:
+            return
+        self._flushing = True  # encoding may report an error, which wakes us again
+        try:
+            outbox = self.session.outbox
+            while outbox.size and not (self._is_over or self._asker.is_paused):
+                frames = outbox.take(1)
+                if not frames and not outbox.has_control:
+                    break
+                for frame in frames:
+                    self._take(orjson.loads(payload(bytes(frame))))
+        except Exception as bug:  # noqa: BLE001  # of one viewer's
+            self._asker.fail(bug)
+        finally:
+            self._flushing = False
+
+    def tick(self, now_s: float) -> None:
+        """Give up waiting for the only picture. Let a stream wait on, with its head."""
+        if self._has_begun or self._is_over or now_s - self._opened_s <= WAIT_S:
+            return
+        if self._is_single:
+            reason = f": {self._warning}" if self._warning else ": check that its camera is running"
+            self._refuse(504, f"no image of {self.topic} within {WAIT_S:g} s{reason}")
+        else:
+            self._begin()
+
+    def end(self) -> None:
+        """Send nothing any more."""
+        self._is_over = True
+
+    def _take(self, frame: dict[str, object]) -> None:
+        match frame:
+            case {"op": "publish", "msg": {"format": "jpeg", "data": str(data)}}:
+                self._show(pybase64.b64decode(data))
+            case {"op": "publish"}:
+                self._refuse(404, f"topic {self.topic} has no images any more")
+            case {"op": "status", "code": "invalid_value", "msg": str(text)}:
+                self._refuse(503, text)
+            case {"op": "status", "msg": str(text)}:
+                self._warning = text
+
+    def _show(self, jpeg: bytes) -> None:
+        if self._is_single:
+            response = page(self._protocol, self._request, jpeg, _JPEG)
+            response.headers.update(_headers(self._request))
+            self._answer(response)
+            return
+        self._begin()
+        head = f"Content-Type: {_JPEG}\r\nContent-Length: {len(jpeg)}\r\n\r\n".encode()
+        self._asker.write(b"".join((head, jpeg, _DELIMITER)))
+
+    def _begin(self) -> None:
+        if self._has_begun:
+            return
+        self._has_begun = True
+        headers = Headers()
+        headers["Content-Type"] = _MULTIPART
+        headers["Cache-Control"] = "no-store"
+        headers["Connection"] = "close"
+        headers.update(_headers(self._request))
+        head = b"HTTP/1.1 200 OK\r\n" + headers.serialize()
+        self._asker.write(head + _DELIMITER.lstrip())
+
+    def _refuse(self, status: int, text: str) -> None:
+        """Answer with the reason why there is no image, before the response begins."""
+        if self._has_begun:
+            return
+        self._answer(self._protocol.reject(status, f"{text}\n"))
+
+    def _answer(self, response: Response) -> None:
+        """Send the only response. The subscription ends when its topic has woken the others."""
+        self.end()
+        asyncio.get_running_loop().call_soon(self._pictures.left, self._asker)
+        self._asker.answer(response)
+
+
+class Pictures:
+    """The viewers of all topics, a limited number at a time."""
+
+    def __init__(self, router: Router) -> None:
+        self._router = router
+        self._viewers: dict[Asker, Viewer] = {}
+
+    def __len__(self) -> int:
+        """Count the requests that get pictures, or wait for one."""
+        return len(self._viewers)
+
+    def __contains__(self, asker: object) -> bool:
+        """Return whether a connection gets pictures, or waits for one."""
+        return asker in self._viewers
+
+    def sessions(self) -> Iterator[tuple[Asker, Session]]:
+        """Yield the connection and the session of each viewer."""
+        for asker, viewer in self._viewers.items():
+            yield asker, viewer.session
+
+    def respond(
+        self,
+        protocol: ServerProtocol,
+        request: Request,
+        asker: Asker,
+        identity: Identity,
+        address: str,
+    ) -> Response | None:
+        """Begin to send images, or return a refusal."""
+        try:
+            asked = picture_request(request.path)
+        except PictureRequestError as error:
+            return protocol.reject(400, f"{error}\n")
+        if urlsplit(request.path).path == VIEWER:
+            response = page(protocol, request, viewer_page(request.path, asked.topic), _HTML)
+            response.headers.update(_headers(request) | {"Content-Security-Policy": _POLICY})
+            return response
+        if request.method == "HEAD":
+            is_single = urlsplit(request.path).path == SNAPSHOT
+            response = page(protocol, request, None, _JPEG if is_single else _MULTIPART)
+            response.headers.update(_headers(request))
+            return response
+        if len(self._viewers) >= MAX_VIEWERS:
+            text = f"busy: {MAX_VIEWERS} other viewers get images. Try again later, or use a page\n"
+            return protocol.reject(503, text)
+        viewer = Viewer(self, protocol, request, asker)
+        viewer.session = self._router.enter(viewer.flush, address, identity)
+        viewer.session.client = asker.name
+        viewer.session.set_level("warning")  # which it shows as the reason why no picture comes
+        self._viewers[asker] = viewer
+        asker.show(viewer)
+        return self._subscribe(protocol, viewer, asker, asked)
+
+    def left(self, asker: Asker) -> None:
+        """End the viewer of a connection, if there is one."""
+        viewer = self._viewers.pop(asker, None)
+        if viewer is not None:
+            viewer.end()
+            self._router.leave(viewer.session)
+
+    def _subscribe(
+        self, protocol: ServerProtocol, viewer: Viewer, asker: Asker, asked: Subscribe
+    ) -> Response | None:
+        viewer.topic = asked.topic
+        try:
+            viewer.topic = self._router.view(viewer.session, asked)
+        except (ProtocolError, RosError) as error:
+            self.left(asker)
+            return protocol.reject(_STATUS.get(error.code, 400), f"{error}\n")
+        except BaseException:
+            self.left(asker)
+            raise
+        return None
+
+
+def _headers(request: Request) -> dict[str, str]:
+    """Return the headers by which pages of this host, and those that are allowed, get pictures.
+
+    A foreign page's `<img>` sends no Origin: so browsers are told to give such a page nothing.
+    Another origin, which was found to be welcome, is named so that ``crossorigin`` works.
+    """
+    headers = {
+        "X-Content-Type-Options": "nosniff",
+        "Referrer-Policy": "no-referrer",
+        "Cross-Origin-Resource-Policy": "cross-origin" if _is_of_host(request) else "same-site",
+        "Vary": "Origin, Referer",
+    }
+    if origin := request.headers.get("Origin"):
+        headers["Access-Control-Allow-Origin"] = origin
+    return headers
+
+
+def _is_of_host(request: Request) -> bool:
+    """Return whether a page of this host asks, on whatever port.
+
+    Chromium takes two ports of one IP address for different sites. No page can set the Referer,
+    and one that hides it is taken for foreign.
+    """
+    try:
+        page_host = urlsplit(request.headers.get("Referer", "")).hostname
+        return (
+            page_host is not None and page_host == urlsplit(f"//{request.headers['Host']}").hostname
+        )
+    except (ValueError, LookupError):
+        return False

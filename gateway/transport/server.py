@@ -1,0 +1,426 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The server: it listens, admits clients, applies their timeouts, and closes all at the end."""
+
+import asyncio
+import contextlib
+import errno
+import ipaddress
+import itertools
+import logging
+import ssl
+import time
+from collections import Counter
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from typing import Any, Final
+
+from websockets.http11 import Request, Response
+from websockets.server import ServerProtocol
+
+from gateway.access.permissions import Identity, Policy
+from gateway.access.tokens import Tokens
+from gateway.access.web_rules import WebRules
+from gateway.config.limits import Limits
+from gateway.core.router import Router
+from gateway.errors import BindError
+from gateway.faults import Fault
+from gateway.fronts.rosbridge.session import Session
+from gateway.metrics.page import CONTENT_TYPE
+from gateway.metrics.state import AddressState, ClientCounts, ClientState, State, Summary
+from gateway.transport.admission import (
+    Admission,
+    Entrant,
+    RoomFor,
+    TurnedAwayError,
+    everybody,
+)
+from gateway.transport.close_codes import GOING_AWAY
+from gateway.transport.connection import Connection
+from gateway.transport.counters import ServerCounters
+from gateway.transport.end import End, Why
+from gateway.transport.forwarded import client_address
+from gateway.transport.health import FindFaults, Health, no_faults
+from gateway.transport.http import Asker, HttpFront, own_names, page
+from gateway.transport.picture_streams import Pictures
+from gateway.transport.scrapes import Scrapes
+from gateway.transport.static_files import NO_FILES, StaticFiles
+from gateway.transport.time_budget import Spending, TimeBudgets
+from gateway.transport.tls_handshakes import log_failed_handshakes
+from gateway.transport.url_options import url_options
+
+MakeAdmission = Callable[[RoomFor, WebRules], Admission]
+
+logger = logging.getLogger(__name__)
+
+# Sockets during their handshake, which takes milliseconds. Each is cut off after 5 s.
+MAX_HANDSHAKES: Final = 64
+# Sockets that were turned away, or got a page, and have a second to close.
+MAX_LEAVING: Final = 64
+
+# Pages of metrics that are waited for, or not taken yet: a few times as many as there are scrapers,
+# and 11 MB with 32 clients of 64 topics each.
+MAX_PAGES: Final = 8
+
+# the errors of a machine without IPv6
+_NO_SUCH_ADDRESS: Final = frozenset({errno.EADDRNOTAVAIL, errno.EAFNOSUPPORT})
+
+MAX_GOODBYE_S: Final = 1.0  # of the 2 s for the whole shutdown
+
+TICK_S: Final = 0.25  # the precision of timeouts. The cost of 4 wake-ups a second is not measurable
+
+
+@dataclass(frozen=True, slots=True)
+class Door:
+    """A port to listen on, 0 for any free one. With *tls* clients need ``wss://`` there."""
+
+    port: int
+    tls: ssl.SSLContext | None = None
+
+
+class Server:
+    """The connected clients, and the listening sockets."""
+
+    def __init__(  # noqa: PLR0913  # one argument for each part that it shares
+        self,
+        router: Router,
+        *,
+        limits: Limits,
+        path: str = "/",
+        files: StaticFiles = NO_FILES,
+        trusted_proxies: Sequence[str] = (),
+        web_rules: WebRules | None = None,
+        admission: MakeAdmission = everybody,
+        version: str = "",
+        find_faults: FindFaults = no_faults,
+    ) -> None:
+        self.limits = limits
+        self.budgets = TimeBudgets(limits.client_time_share, limits.address_time_share)
+        self._trusted_proxies = tuple(map(ipaddress.ip_network, trusted_proxies))
+        self._router = router
+        rules = web_rules or WebRules(own_names())
+        self._http = HttpFront(
+            path, files, rules, self.judged, self.health, self._metrics, self._show
+        )
+        self._find_faults = find_faults
+        self._scrapes = Scrapes(self.state)
+        self._pictures = Pictures(router)
+        self._counters = ServerCounters()
+        self._admission = admission(self._room_for, rules)
+        self._version = version
+        self.numbers: Iterator[int] = itertools.count(1)
+        self._connections: dict[Connection, None] = {}  # the oldest first
+        self._started_s = time.monotonic()
+        self._all_gone = asyncio.Event()
+        self._all_gone.set()
+        self._left = ClientCounts()  # of clients that have left
+
+    @contextlib.asynccontextmanager
+    async def listening(
+        self, hosts: Sequence[str], *doors: Door
+    ) -> AsyncIterator[list[list[tuple[str, int]]]]:
+        """Serve inside the context. Yield of each door the addresses, all on its port.
+
+        All share the clients, their limits and rules. A machine may have no IPv6: all *hosts* but
+        the first may fail.
+
+        Raises:
+            BindError: the first address or a port cannot be listened on.
+        """
+        listeners: list[asyncio.Server] = []
+        try:
+            addresses = [await self._open(door, hosts, listeners) for door in doors]
+            ticking = asyncio.create_task(self._tick())
+            try:
+                yield addresses
+            finally:
+                ticking.cancel()
+        finally:
+            for listener in listeners:
+                listener.close()
+            self._scrapes.close()
+            await self._close_all()
+
+    async def _open(
+        self, door: Door, hosts: Sequence[str], listeners: list[asyncio.Server]
+    ) -> list[tuple[str, int]]:
+        """Listen on a door, add its listeners to *listeners*, and return its addresses."""
+        if door.tls is not None:
+            log_failed_handshakes(door.tls)
+        open_s = self.limits.open_timeout_s
+        # no sooner than a connection ends by itself: until then a slow peer may take its page
+        page_s = open_s + self.limits.send_deadline_s + self.limits.close_timeout_s
+        addresses: list[tuple[str, int]] = []
+        for host in hosts:
+            port = addresses[0][1] if addresses else door.port
+            try:
+                listener = await asyncio.get_running_loop().create_server(
+                    lambda: Connection(self),
+                    host,
+                    port,
+                    ssl=door.tls,
+                    ssl_handshake_timeout=open_s if door.tls else None,
+                    ssl_shutdown_timeout=page_s if door.tls else None,
+                )
+            except OSError as error:
+                if not addresses:
+                    raise BindError(host, port, error) from error
+                # Python 3.13 has no number for it
+                lacks_it = error.errno is None or error.errno in _NO_SUCH_ADDRESS
+                level = logging.DEBUG if lacks_it else logging.INFO
+                logger.log(level, "not listening on %s: %s", host, error.strerror or error)
+                continue
+            listeners.append(listener)
+            addresses += [sock.getsockname()[:2] for sock in listener.sockets]
+        return addresses
+
+    def judged(self) -> Health:
+        """Return what is wrong with the gateway."""
+        limits = self.limits
+        clients = sum(
+            1 for each in self._connections if each.session is not None and each.session.identity
+        )
+        faults = list(self._find_faults())
+        if clients >= limits.max_clients:
+            text = f"{clients} clients are connected, the maximum: further clients are refused"
+            faults.append(Fault("degraded", text))
+        return Health(tuple(faults))
+
+    def health(self) -> Mapping[str, Any]:
+        """Return the counts of /healthz."""
+        found = self.summary()
+        totals = found.totals
+        return {
+            "version": found.version,
+            "uptime_s": round(found.uptime_s, 1),
+            **found.entities,
+            "tasks": found.tasks,
+            "operations_time_s": round(found.time_s, 3),
+            "reading_pauses": found.pauses,
+            "messages_in": totals.operations,
+            "refused": totals.refused,
+            "frames_out": totals.frames,
+            "dropped": totals.dropped_by_full_queue,
+            "coalesced": totals.coalesced,
+            "replaced": totals.replaced,
+        }
+
+    def summary(self) -> Summary:
+        """Return the state of the gateway, without the traffic of its topics."""
+        clients = tuple(
+            _client_state(each.session, each.spending, each.keep_alive.round_trip_s)
+            for each in self._connections
+            if each.session is not None
+        )
+        addresses = self.budgets.in_use()
+        counters = self._counters
+        entities = self._router.counts()
+        return Summary(
+            version=self._version,
+            uptime_s=time.monotonic() - self._started_s,
+            clients=clients,
+            addresses=tuple(AddressState(at, own.spent_s, own.pauses) for at, own in addresses),
+            totals=reduce(ClientCounts.plus, (each.counts for each in clients), self._left),
+            time_s=self.budgets.spent_s,
+            pauses=self.budgets.pauses,
+            sessions=counters.sessions,
+            connections=len(self._connections),
+            unauthenticated=len(self._admission),
+            max_clients=self.limits.max_clients,
+            tasks=len(asyncio.all_tasks()),
+            entities=entities,
+            max_ros_entities=self.limits.max_ros_entities,
+            control=self._router.control(),
+            shared_names=tuple(self._router.shared_names()),
+            handshakes_refused=counters.handshakes_refused.copy(),
+            authentication_failures=self._admission.failures.copy(),
+            ends=counters.ends.copy(),
+            lag=counters.lag.observed(),
+            max_lag_s=counters.max_lag_s,
+        )
+
+    def state(self) -> State:
+        """Return the whole state, at one moment."""
+        return State(self.summary(), self._router.traffic())
+
+    # For connections: see `Acceptor`
+
+    def arrive(self, connection: Connection) -> None:
+        """Add a connection. If too many are not clients yet, the greediest address loses one."""
+        self._connections[connection] = None
+        self._all_gone.clear()
+        half_open = [other for other in self._connections if other.is_half_open]
+        if len(half_open) > MAX_HANDSHAKES:
+            counts = Counter(other.address for other in half_open)
+            oldest = max(half_open, key=lambda other: counts[other.address])  # the first of equals
+            text = f"no handshake, and {MAX_HANDSHAKES} others wait"
+            oldest.abort(Why("gateway", "handshake", text))
+        leaving = [other for other in self._connections if other.is_leaving]
+        if len(leaving) > MAX_LEAVING:
+            leaving[0].abort()
+
+    def _metrics(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
+        """Have the metrics written for a role, or refuse the request."""
+        try:
+            _, identity = self._identify(request, asker)
+        except TurnedAwayError as error:
+            return _unauthenticated(protocol, error)
+        if request.method == "HEAD":
+            return page(protocol, request, None, CONTENT_TYPE)
+        if sum(each.awaits_page for each in self._connections) >= MAX_PAGES:
+            return protocol.reject(503, f"busy: {MAX_PAGES} others get metrics. Try again later\n")
+
+        def reply(body: bytes | None) -> None:
+            if body is None:
+                asker.answer(protocol.reject(500, "internal error\n"))
+            else:
+                asker.answer(page(protocol, request, body, CONTENT_TYPE))
+
+        self._scrapes.ask(identity, reply)
+        return None
+
+    def _show(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
+        """Have images sent to a role, or refuse the request."""
+        try:
+            address, identity = self._identify(request, asker)
+        except TurnedAwayError as error:
+            return _unauthenticated(protocol, error)
+        return self._pictures.respond(protocol, request, asker, identity, address)
+
+    def _identify(self, request: Request, asker: Asker) -> tuple[str, Identity]:
+        """Return the address and the identity behind an HTTP request."""
+        address = self.client_address(asker.address, request)
+        return address, self._admission.identify_scraper(asker, address, request.headers)
+
+    def client_address(self, peer: str, request: Request) -> str:
+        """Return the address of a client, which may be behind proxies."""
+        return client_address(peer, request.headers, self._trusted_proxies)
+
+    def respond(
+        self, connection: Connection, protocol: ServerProtocol, request: Request
+    ) -> Response | None:
+        """Answer an HTTP request. ``None``: the connection gets its `answer` later."""
+        return self._http.respond(protocol, request, connection)
+
+    def malformed(self, start: bytes) -> bytes:
+        """Return the response to bytes that are not an HTTP request."""
+        return self._http.malformed(start)
+
+    def _room_for(self, entrant: Entrant) -> str | None:
+        """Return the reason why there is no room for a client, or ``None``."""
+        sessions = [(other, other.session) for other in self._connections]
+        clients = [each for each, session in sessions if session and session.identity]
+        limits = self.limits
+        if len(clients) >= limits.max_clients:
+            return f"over capacity: at most {limits.max_clients} clients (limits.max_clients)"
+        same = sum(other.address == entrant.address for other in clients)
+        if same >= limits.max_clients_per_address:
+            return f"over capacity: {same} clients of one address (limits.max_clients_per_address)"
+        return None
+
+    def enter(self, connection: Connection, request: Request) -> Session | None:
+        """Open a session for a connection, or turn it away."""
+        options = url_options(request.path)
+        try:
+            identity = self._admission.identify(connection, request.headers)
+        except TurnedAwayError as error:
+            connection.turn_away(error.close_code, str(error), options.told(error.status))
+            return None
+        session = self._router.enter(connection.flush, connection.address, identity)
+        session.client = connection.name
+        options.apply(session)
+        self._counters.sessions += 1
+        self._admission.enter(connection, session, request, time.monotonic())
+        return session
+
+    def reload(self, tokens: Tokens, policy: Policy) -> None:
+        """Go on with other tokens and permissions. See `Admission.reload`.
+
+        Everything that a client has open ends at once. A robot must not wait for a handshake.
+        """
+        clients: list[tuple[Entrant, Session]] = [
+            (each, each.session) for each in self._connections if each.session is not None
+        ]
+        clients += self._pictures.sessions()
+        for session in self._admission.reload(tokens, policy, clients):
+            self._router.revoke(session)
+
+    def receive(self, session: Session, data: bytes) -> None:
+        """Carry out one message of a session."""
+        self._router.receive(session, data)
+
+    def end_turn(self, session: Session) -> None:
+        """Carry out the deferred work of a session."""
+        self._router.end_turn(session)
+
+    def left(self, connection: Connection, session: Session | None, end: End) -> None:
+        """Close everything that a connection had open."""
+        self._connections.pop(connection, None)
+        if not self._connections:
+            self._all_gone.set()
+        self._admission.left(connection, session)
+        was_client = session is not None or connection in self._pictures
+        try:
+            self._pictures.left(connection)
+            if session is not None:
+                self._left = self._left.plus(_counts(session))
+                self._router.leave(session)
+        finally:  # after a robot was stopped
+            self._counters.ended(end, was_client=was_client)
+            end.log()
+
+    async def _tick(self) -> None:
+        while True:
+            due_s = time.monotonic() + TICK_S
+            await asyncio.sleep(TICK_S)
+            now_s = time.monotonic()
+            self._counters.late(now_s - due_s)
+            self.budgets.expire(now_s)
+            self._admission.tick(now_s)
+            for connection in list(self._connections):
+                try:
+                    connection.tick(now_s)
+                except Exception:  # our fault must not end the keep-alive of others
+                    client = {"client": connection.name}
+                    logger.exception("keeping the times of a client failed", extra=client)
+                    connection.abort(Why("gateway", "internal_error", "internal error"))
+
+    async def _close_all(self) -> None:
+        for connection in list(self._connections):
+            connection.close(GOING_AWAY, "the gateway is shutting down")
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(min(self.limits.close_timeout_s, MAX_GOODBYE_S)):
+                await self._all_gone.wait()
+        for connection in list(self._connections):
+            connection.abort()
+        await self._all_gone.wait()
+
+
+def _unauthenticated(protocol: ServerProtocol, error: TurnedAwayError) -> Response:
+    response = protocol.reject(401, f"{error}\n")
+    response.headers["WWW-Authenticate"] = "Bearer"
+    return response
+
+
+def _client_state(session: Session, spending: Spending, round_trip_s: float | None) -> ClientState:
+    return ClientState(
+        client=session.client,
+        address=session.address,
+        counts=_counts(session),
+        time_s=spending.spent_s,
+        pauses=spending.pauses,
+        latency=session.latency.observed(),
+        link_bytes_per_s=session.outbox.bytes_per_s,
+        round_trip_s=round_trip_s,
+    )
+
+
+def _counts(session: Session) -> ClientCounts:
+    return ClientCounts(
+        operations=session.received,
+        refused=session.refused,
+        replaced=session.replaced,
+        frames=session.outbox.sent,
+        dropped_by_full_queue=session.outbox.dropped,
+        coalesced=session.outbox.coalesced,
+    )

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A router over the fake ROS, and clients without sockets."""
+
+import asyncio
+import contextlib
+import json
+from collections.abc import AsyncIterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import pytest
+
+from gateway.access.permissions import UNLIMITED, Identity
+from gateway.codec.types import Types
+from gateway.config.limits import Limits
+from gateway.core.errors import Level
+from gateway.core.router import Router
+from gateway.fronts.rosbridge.session import Session
+from schemas.folders import SHIPPED
+from schemas.installed import InstalledDefinitions
+from schemas.table import Table
+from tests.client import Frame, eventually
+from tests.sources.fake import FakeRos
+from tests.wire import unpacked
+
+LIMITS = Limits(max_subscriptions=4, max_advertisements=3)
+
+
+class Socketless:
+    """A client whose frames are taken from its outbox as soon as it is woken."""
+
+    def __init__(
+        self,
+        router: Router,
+        address: str,
+        identity: Identity | None = UNLIMITED,
+        level: Level | None = "warning",
+    ) -> None:
+        self.router = router
+        self.frames: list[Frame] = []
+        self.wires: list[bytes] = []
+        self.is_paused = False
+        self.is_flushing = False
+        self.session: Session = router.enter(self.flush, address, identity)
+        if level is not None:  # else it is a client of rosbridge
+            self.session.set_level(level)
+
+    def flush(self) -> None:
+        if self.is_flushing:  # as a connection does: rendering may report an error
+            return
+        self.is_flushing = True
+        outbox = self.session.outbox
+        while not self.is_paused and ((batch := outbox.take(1 << 20)) or outbox.has_control):
+            self.wires += batch
+            self.frames += unpacked(b"".join(batch))  # a large frame comes in pieces
+        self.is_flushing = False
+
+    def send(self, **operation: Any) -> None:
+        self.send_raw(json.dumps(operation).encode())
+
+    def send_raw(self, data: bytes) -> None:
+        self.router.receive(self.session, data)
+
+    def of(self, op: str) -> list[Frame]:
+        return [frame for frame in self.frames if frame["op"] == op]
+
+    @property
+    def messages(self) -> list[Any]:
+        return [frame["msg"] for frame in self.of("publish")]
+
+    @property
+    def statuses(self) -> list[tuple[str, str]]:
+        return [(frame["code"], frame["msg"]) for frame in self.of("status")]
+
+    async def sees(self, count: int, op: str = "publish") -> list[Frame]:
+        await eventually(lambda: len(self.of(op)) >= count)
+        return self.of(op)
+
+    async def sees_id(self, request_id: str | int) -> None:
+        """Wait for the answer to a request."""
+        await eventually(lambda: any(frame.get("id") == request_id for frame in self.frames))
+
+
+class Bench:
+    """The router under test, the ROS below it, clients above."""
+
+    def __init__(self, ros: FakeRos, router: Router, types: Types) -> None:
+        self.ros = ros
+        self.router = router
+        self.types = types
+
+    def client(
+        self,
+        address: str = "127.0.0.1",
+        *,
+        identity: Identity | None = UNLIMITED,
+        level: Level | None = "warning",
+    ) -> Socketless:
+        return Socketless(self.router, address, identity, level)
+
+    def cdr(self, type_name: str, **values: Any) -> bytes:
+        message_type = self.types.get(type_name)
+        return message_type.encode(values, now_ns=0)
+
+    async def settle(self) -> None:
+        """Let everything that the fake has scheduled happen."""
+        for _ in range(20):
+            await asyncio.sleep(0)
+
+
+@contextlib.asynccontextmanager
+async def open_bench() -> AsyncIterator[Bench]:
+    types = Types(InstalledDefinitions(folders=[SHIPPED]))
+    ros = FakeRos(types=types)
+    with ThreadPoolExecutor(2) as workers:
+        router = Router(ros, types, Table.load(), limits=LIMITS, workers=workers, version="test")
+        yield Bench(ros, router, types)
+        router.close()
+        assert ros.entity_count() == 0
+
+
+@pytest.fixture
+async def bench() -> AsyncIterator[Bench]:
+    async with open_bench() as bench:
+        yield bench
+
+
+@pytest.fixture
+async def empty() -> AsyncIterator[Bench]:
+    """Yield another one, to compare with."""
+    async with open_bench() as bench:
+        yield bench

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""ROS for tests, real and fake, each with the world around it."""
+
+import contextlib
+from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeVar
+
+import pytest
+
+from gateway.sources.actions import ActionClient, GoalRequest
+from gateway.sources.rclpy import RosOptions, open_ros
+from gateway.sources.rclpy.message_classes import MessageClasses
+from gateway.sources.rclpy.port import RclpyRos
+from gateway.sources.source import Publisher, Qos, Request, Ros, Sample, ServiceClient
+from schemas.installed import InstalledDefinitions
+from tests.sources.fake import FakeRos
+from tests.sources.outside import Outside
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with what depends on the version of rclpy alone: it explains what fails later."""
+    items.sort(key=lambda item: item.path.name != "test_rclpy_private.py")
+
+
+T = TypeVar("T")
+
+
+class MadeClasses(MessageClasses):
+    """Makes the classes of all types, as if no package were installed."""
+
+    def __init__(self, definitions: InstalledDefinitions | None = None) -> None:
+        self._known = InstalledDefinitions() if definitions is None else definitions
+        super().__init__(self._known)
+        self.allow_made_types()
+
+    def _find(self, find: Callable[[], T], make: Callable[[InstalledDefinitions], T]) -> T:
+        find()  # refuses bad names
+        return make(self._known)
+
+
+class World(Protocol):
+    """The nodes outside the gateway."""
+
+    def add_publisher(self, topic: str, type_name: str, qos: Qos | None = None) -> Publisher: ...
+
+    def add_subscription(
+        self,
+        topic: str,
+        type_name: str,
+        on_samples: Callable[[Sequence[Sample]], None],
+        qos: Qos | None = None,
+    ) -> Any: ...
+
+    def remove_subscription(self, subscription: Any) -> None: ...
+
+    def add_client(self, name: str, type_name: str) -> ServiceClient: ...
+
+    def add_service(
+        self, name: str, type_name: str, on_request: Callable[[Request], None]
+    ) -> Any: ...
+
+    def add_action_client(self, name: str, type_name: str) -> ActionClient: ...
+
+    def add_action_server(
+        self,
+        name: str,
+        type_name: str,
+        on_goal: Callable[[GoalRequest], None],
+        on_cancel: Callable[[GoalRequest], None],
+        accepts: Callable[[bytes], bool] = ...,
+    ) -> Any: ...
+
+
+@dataclass(frozen=True)
+class Robot:
+    """The port under test and the world around it."""
+
+    ros: Ros
+    world: World
+
+
+def known_to(ros: RclpyRos, service: str) -> bool:
+    """Return whether the gateway has discovered a client: it loses responses to others."""
+    return ros._debug.count_clients(service) > 0
+
+
+@pytest.fixture
+def outside() -> Iterator[Outside]:
+    outside = Outside()
+    yield outside
+    outside.close()
+
+
+@pytest.fixture(params=["fake", "eventfd", "wait_set", "made"])
+async def robot(request: pytest.FixtureRequest) -> AsyncIterator[Robot]:
+    if request.param == "fake":
+        fake = FakeRos()
+        yield Robot(fake, fake)
+        return
+    outside = request.getfixturevalue("outside")
+    if request.param == "made":
+        made = RclpyRos(RosOptions(taking="eventfd"), MadeClasses())
+        outside.is_known = lambda service: known_to(made, service)
+        with contextlib.closing(made):
+            yield Robot(made, outside)
+        return
+    async with open_ros(RosOptions(taking=request.param)) as ros:
+        outside.is_known = lambda service: known_to(ros, service)
+        yield Robot(ros, outside)

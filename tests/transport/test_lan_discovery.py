@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+import asyncio
+import logging
+import socket
+from collections.abc import AsyncIterator, Iterator
+from types import SimpleNamespace
+
+import pytest
+
+from gateway.transport import discovery_packets
+from gateway.transport.discovery_packets import FoundGateway, answer, question
+from gateway.transport.lan_discovery import (
+    DATAGRAMS_PER_TURN,
+    LanDiscovery,
+    answering_questions,
+)
+from tests.client import TIMEOUT_S, eventually
+
+GATEWAY = FoundGateway("4f1d", "robot7", 9090, "/", False, None, True, "0.1.0")
+
+
+@pytest.fixture
+async def discovery() -> AsyncIterator[LanDiscovery]:
+    discovery = LanDiscovery(answer(GATEWAY), port=0)
+    yield discovery
+    discovery.close()
+
+
+@pytest.fixture
+def asking() -> Iterator[socket.socket]:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
+        asking.setblocking(False)
+        yield asking
+
+
+async def heard(asking: socket.socket) -> bytes:
+    async with asyncio.timeout(TIMEOUT_S):
+        return await asyncio.get_running_loop().sock_recv(asking, 2048)
+
+
+def waiting(asking: socket.socket) -> int:
+    """Count the answers that have come."""
+    for count in range(1000):
+        try:
+            asking.recv(2048)
+        except BlockingIOError:
+            return count
+    raise AssertionError("they do not end")
+
+
+async def test_a_question_is_answered_again_and_again(
+    discovery: LanDiscovery, asking: socket.socket
+) -> None:
+    for _ in range(3):
+        asking.sendto(question(), ("127.0.0.1", discovery.port))
+        assert await heard(asking) == answer(GATEWAY)
+
+
+async def test_other_datagrams_are_not_answered(
+    discovery: LanDiscovery, asking: socket.socket
+) -> None:
+    for datagram in (b"", b"{}", question()[:-1], answer(GATEWAY), b"x" * 1400):
+        asking.sendto(datagram, ("127.0.0.1", discovery.port))
+    asking.sendto(question(), ("127.0.0.1", discovery.port))
+    assert await heard(asking) == answer(GATEWAY)
+    assert waiting(asking) == 0
+
+
+async def test_a_flood_costs_the_loop_a_bounded_part_of_its_time(
+    discovery: LanDiscovery, asking: socket.socket, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gateway.transport.lan_discovery.PAUSE_S", 3600.0)
+    for _ in range(DATAGRAMS_PER_TURN + 4):
+        asking.sendto(question(), ("127.0.0.1", discovery.port))
+    await eventually(lambda: discovery._resuming is not None)
+    answered = waiting(asking)
+    assert answered == DATAGRAMS_PER_TURN
+    asking.sendto(question(), ("127.0.0.1", discovery.port))
+    for _ in range(10):
+        await asyncio.sleep(0)
+    assert waiting(asking) == 0  # it does not even look
+    discovery._resume()
+    for _ in range(5):
+        await heard(asking)
+
+
+async def test_one_that_closes_between_its_turns_does_not_listen_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    discovery = LanDiscovery(answer(GATEWAY), port=0)
+    resumed: list[bool] = []
+    monkeypatch.setattr("gateway.transport.lan_discovery.PAUSE_S", 0.0)
+    monkeypatch.setattr(discovery, "_resume", lambda: resumed.append(True))
+    discovery._read()
+    discovery.close()
+    for _ in range(10):
+        await asyncio.sleep(0)
+    assert resumed == []
+
+
+async def test_gateways_of_one_machine_share_the_port(asking: socket.socket) -> None:
+    first = LanDiscovery(answer(GATEWAY), port=0)
+    second = LanDiscovery(b"{}", port=first.port)
+    asking.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+    asking.sendto(question(), ("127.255.255.255", first.port))
+    assert {await heard(asking), await heard(asking)} == {answer(GATEWAY), b"{}"}
+    first.close()
+    second.close()
+
+
+async def test_a_client_that_leaves_before_the_answer_does_not_disturb_others(
+    discovery: LanDiscovery, asking: socket.socket
+) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as gone:
+        gone.sendto(question(), ("127.0.0.1", discovery.port))
+    asking.sendto(question(), ("127.0.0.1", discovery.port))
+    assert await heard(asking) == answer(GATEWAY)
+
+
+async def test_a_port_in_use_is_reported_and_does_not_prevent_a_start(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("", 0))
+        port = other.getsockname()[1]
+        monkeypatch.setattr(discovery_packets, "PORT", port)
+        monkeypatch.setattr(LanDiscovery.__init__, "__defaults__", (port,))
+        with caplog.at_level(logging.WARNING), answering_questions(GATEWAY):
+            pass
+    assert caplog.messages == [
+        f"clients cannot find this gateway by themselves: UDP port {port}, address already in use"
+    ]
+
+
+async def test_after_a_turn_it_listens_again_in_100_ms_and_little_waits(
+    discovery: LanDiscovery,
+) -> None:
+    delays_s: list[float] = []
+    discovery._loop = SimpleNamespace(  # type: ignore[assignment]
+        remove_reader=lambda _: None,
+        call_later=lambda delay_s, _: delays_s.append(delay_s) or SimpleNamespace(cancel=int),
+    )
+    discovery._read()
+    assert delays_s == [0.1]
+    kept = discovery._socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+    assert kept == 2 * 32 * 1024  # the kernel takes twice as much, for what it notes itself
+    discovery._loop = asyncio.get_running_loop()
