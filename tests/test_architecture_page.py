@@ -5,8 +5,6 @@ import ast
 import re
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs/contributing/architecture.md"
 PATHS = ROOT / "docs/contributing/data-paths.md"
@@ -30,10 +28,12 @@ def names_in(file: str) -> set[str]:
     return names
 
 
-@pytest.mark.parametrize(("function", "file"), sorted(set(rows())))
-def test_every_function_of_the_ways_is_where_the_page_says(function: str, file: str):
-    if not file.startswith("<"):  # generated
-        assert function.partition(".<locals>")[0] in names_in(file)
+def test_every_function_of_the_ways_is_where_the_page_says():
+    there = {file: names_in(file) for _, file in rows() if not file.startswith("<")}  # generated
+    assert len(rows()) > 50
+    for function, file in rows():
+        if file in there:
+            assert function.partition(".<locals>")[0] in there[file], f"{function} of {file}"
 
 
 def test_every_file_that_is_named_exists():

@@ -3,13 +3,11 @@
 
 import ast
 import re
-from pathlib import Path
 
 import pytest
 
-REPOSITORY = Path(__file__).parents[1]
-ROOTS = ("gateway", "gateway_sim", "schemas", "benchmarks", "tools")
-GENERATED = "schemas/models/"
+from tests.test_sizes import REPOSITORY, source_files
+
 # Words that a docstring must not contain, and words to write instead.
 RULES = (
     (
@@ -31,12 +29,6 @@ RULES = (
 )
 
 
-def source_files():
-    files = (path for root in ROOTS for path in (REPOSITORY / root).rglob("*.py"))
-    names = (path.relative_to(REPOSITORY).as_posix() for path in files)
-    return sorted(name for name in names if not name.startswith(GENERATED))
-
-
 def faults(name, source):
     """Return a line for each broken rule: file, line of the docstring, words, advice."""
     found = []
@@ -50,9 +42,9 @@ def faults(name, source):
     return found
 
 
-@pytest.mark.parametrize("name", source_files())
-def test_docstrings_are_in_plain_english(name):
-    found = faults(name, (REPOSITORY / name).read_text(encoding="utf-8"))
+def test_docstrings_are_in_plain_english():
+    texts = {name: (REPOSITORY / name).read_text(encoding="utf-8") for name in source_files()}
+    found = [line for name, text in texts.items() for line in faults(name, text)]
     assert not found, "\n".join(found)
 
 

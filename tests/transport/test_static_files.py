@@ -168,10 +168,9 @@ async def test_a_token_in_the_address_is_refused_here_too(serve, files):
         assert sent.status == 400
 
 
-@pytest.mark.parametrize("path", OWN, ids=lambda path: path.name)
-def test_no_page_asks_for_anything_from_elsewhere_or_has_code_in_its_markup(path: Path):
-    text = path.read_text("utf-8")
-    assert "SPDX-License-Identifier: Apache-2.0" in text
-    assert not re.search(r"https?://(?!www\.w3\.org/)", text)
-    assert not re.search(r"innerHTML|insertAdjacentHTML|document\.write|\beval\(|\bon\w+=\"", text)
-    assert not re.search(r"\bstyle=", text)
+def test_no_page_asks_for_anything_from_elsewhere_or_has_code_in_its_markup():
+    code = r"innerHTML|insertAdjacentHTML|document\.write|\beval\(|\bon\w+=\"|\bstyle="
+    for path in OWN:
+        text = path.read_text("utf-8")
+        assert "SPDX-License-Identifier: Apache-2.0" in text, path
+        assert not re.search(rf"https?://(?!www\.w3\.org/)|{code}", text), path

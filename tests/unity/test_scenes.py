@@ -128,11 +128,8 @@ def test_the_drawing_of_the_tutorial_names_fields_of_the_components():
             assert label.replace(" ", "").lower() in fields, f"{component}: {label}"
 
 
-@pytest.mark.parametrize(
-    "folder", sorted({p.parent for p in (*FILES, *ASSETS)}), ids=lambda f: f.name
-)
-def test_everything_refers_to_something(folder):
-    for path in (file for file in folder.iterdir() if file in {*FILES, *ASSETS}):
+def test_everything_refers_to_something():
+    for path in (*FILES, *ASSETS):
         found = read(path)
         by_id = {document.file_id: document for document in found}
         assert len(by_id) == len(found), f"{path.name}: two objects of one file ID"
@@ -149,9 +146,12 @@ def test_everything_refers_to_something(folder):
                 assert link.file_id == 0 or link.file_id in by_id, path.name
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda p: p.relative_to(PACKAGE).as_posix())
-def test_objects_and_components_know_each_other(path):
-    found = read(path)
+def test_objects_and_components_know_each_other():
+    for path in FILES:
+        check_objects(path, read(path))
+
+
+def check_objects(path, found):
     by_id = {document.file_id: document for document in found}
     roots = 0
     for document in found:
@@ -160,44 +160,48 @@ def test_objects_and_components_know_each_other(path):
             components = [d for d in found if d.members.get("m_GameObject")]
             assert listed == [
                 d.file_id for d in components if d.link("m_GameObject").file_id == document.file_id
-            ]
-            assert by_id[listed[0]].class_id == 4, "the first component is the Transform"
+            ], path
+            assert by_id[listed[0]].class_id == 4, f"{path}: the first component is no Transform"
         elif document.class_id == 4:
             father = document.link("m_Father").file_id
             roots += father == 0
             if father:
-                assert f"fileID: {document.file_id}}}" in by_id[father].members["m_Children"]
-        assert CLASSES[document.class_id] == document.name
-    assert roots == 1 or path in SCENES
+                children = by_id[father].members["m_Children"]
+                assert f"fileID: {document.file_id}}}" in children, path
+        assert CLASSES[document.class_id] == document.name, path
+    assert roots == 1 or path in SCENES, path
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda p: p.relative_to(PACKAGE).as_posix())
-def test_every_field_is_one_of_its_script_and_has_a_value_of_its_type(path):
-    found = read(path)
+def test_every_field_is_one_of_its_script_and_has_a_value_of_its_type():
+    for path in FILES:
+        check_fields(path, read(path))
+
+
+def check_fields(path, found):
     for document in found:
         if document.class_id != MONO_BEHAVIOUR:
             continue
         link = document.link("m_Script")
-        assert (link.file_id, link.kind) == (SCRIPT, "3")
+        assert (link.file_id, link.kind) == (SCRIPT, "3"), path
         fields = all_fields(read_script(GUIDS[link.guid]), SOURCES)
         for name in document.members.keys() - OWN_MEMBERS:
-            assert name in fields, f"{GUIDS[link.guid].stem} has no field {name}"
+            assert name in fields, f"{path}: {GUIDS[link.guid].stem} has no field {name}"
             if fields[name] in VALUES:
-                assert VALUES[fields[name]].fullmatch(document.members[name]), name
+                assert VALUES[fields[name]].fullmatch(document.members[name]), f"{path}: {name}"
             elif name.startswith("_on"):
                 check_calls(document.members[name], found)
             else:
-                check_reference(document.link(name), fields[name], found)
+                check_reference(document.link(name), fields[name], found, path)
 
 
-def check_reference(link, wanted, found):
+def check_reference(link, wanted, found, path):
     """Check that a field of a type refers to an object of that type."""
     documents_there = read(GUIDS[link.guid]) if link.guid else found
     [to] = [document for document in documents_there if document.file_id == link.file_id]
     kind = to.name
     if to.class_id == MONO_BEHAVIOUR:
         kind = GUIDS[to.link("m_Script").guid].stem
-    assert kind == wanted
+    assert kind == wanted, path
 
 
 def check_calls(text, found):
