@@ -4,7 +4,8 @@
 import contextlib
 import os
 import struct
-from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
+from functools import partial
 from urllib.parse import urlsplit
 
 import pytest
@@ -103,17 +104,17 @@ def ahead_of_time_runner() -> Iterator[csharp.Runner]:
 @pytest.fixture
 def check_csharp(
     request: pytest.FixtureRequest, mono_runner: csharp.Runner
-) -> Callable[[CSharpTest], None]:
-    """Run a C# test, with a live gateway if it needs one."""
-    return lambda test: mono_runner.check(test, _environment(request, test))
+) -> Callable[[Sequence[CSharpTest]], None]:
+    """Run C# tests, with a live gateway those that need one."""
+    return lambda tests: mono_runner.check_all(tests, partial(_environment, request))
 
 
 @pytest.fixture
 def check_ahead_of_time(
     request: pytest.FixtureRequest, ahead_of_time_runner: csharp.Runner
-) -> Callable[[CSharpTest], None]:
-    """Like `check_csharp`, for a test that is compiled ahead of time."""
-    return lambda test: ahead_of_time_runner.check(test, _environment(request, test))
+) -> Callable[[Sequence[CSharpTest]], None]:
+    """Like `check_csharp`, for tests that are compiled ahead of time."""
+    return lambda tests: ahead_of_time_runner.check_all(tests, partial(_environment, request))
 
 
 def _environment(request: pytest.FixtureRequest, test: CSharpTest) -> Mapping[str, str]:

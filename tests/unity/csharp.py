@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The package's C# tests, each of them one of pytest's."""
+"""The package's C# tests, each class of them one of pytest's."""
 
 import contextlib
 import json
 import subprocess
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import IO, Any, Final
 
@@ -32,8 +32,10 @@ class CSharpTest:
     problem: str = ""
     """Why there is nothing to run: the compiler's words."""
 
-    def __str__(self) -> str:
-        return self.name
+    @property
+    def class_name(self) -> str:
+        """The class that has it."""
+        return self.name.partition("(")[0].rpartition(".")[0]
 
     @property
     def needs_gateway(self) -> bool:
@@ -42,18 +44,32 @@ class CSharpTest:
 
 
 def parameters(assembly: str, target: Target = IN_EDITOR) -> list[Any]:
-    """Return an assembly's tests as parameters for pytest. Without Mono one that is skipped."""
+    """Return the tests of each class of an assembly as a parameter for pytest.
+
+    Without Mono it is one that is skipped.
+    """
     return parameters_of_compiled(assembly, lambda: package.compiled(assembly, target))
 
 
 def parameters_of_compiled(name: str, compiled: Callable[[], Binary]) -> list[Any]:
     """Like `parameters`, of what `compiled` returns."""
     if reason := mono.missing():
-        return [pytest.param(CSharpTest(name), marks=pytest.mark.skip(reason=reason))]
+        return [pytest.param([], id=name, marks=pytest.mark.skip(reason=reason))]
     try:
-        return parameters_of(compiled())
+        return by_class(tests_of(compiled()))
     except CompileError as error:
-        return [pytest.param(CSharpTest("compiles", problem=str(error)), id="compiles")]
+        return [pytest.param([CSharpTest("compiles", problem=str(error))], id="compiles")]
+
+
+def by_class(tests: Iterable[CSharpTest]) -> list[Any]:
+    """Return a parameter for the tests of each class, and another for those that take long."""
+    classes: dict[tuple[str, bool], list[CSharpTest]] = {}
+    for test in tests:
+        classes.setdefault((test.class_name, "Long" in test.categories), []).append(test)
+    return [
+        pytest.param(each, id=name, marks=[pytest.mark.long] if is_long else [])
+        for (name, is_long), each in classes.items()
+    ]
 
 
 @dataclass
@@ -64,6 +80,23 @@ class Runner:
     _processes: dict[tuple[Binary, frozenset[tuple[str, str]]], "_Process"] = field(
         default_factory=dict
     )
+
+    def check_all(
+        self, tests: Iterable[CSharpTest], environment: Callable[[CSharpTest], Mapping[str, str]]
+    ) -> None:
+        """Run each of the tests. Fail or skip with the words of all that did."""
+        failures, skipped = [], []
+        for test in tests:
+            try:
+                self.check(test, environment(test))
+            except pytest.fail.Exception as failure:
+                failures.append(str(failure))
+            except pytest.skip.Exception as skip:
+                skipped.append(f"{test.name}: {skip}")
+        if failures:
+            pytest.fail("\n\n".join(failures), pytrace=False)
+        if skipped:
+            pytest.skip("only skipped: " + "; ".join(skipped))
 
     def check(self, test: CSharpTest, env: Mapping[str, str] | None = None) -> None:
         """Run the test, with these variables in its environment. Fail or skip as it did."""
@@ -80,10 +113,9 @@ class Runner:
             process = _Process.start(test.binary, self.full_aot, env)
             self._processes[key] = process
         result = process.run(test.name)
-        if result["output"]:
-            print(result["output"])  # noqa: T201  # pytest shows it with a failure
         if result["outcome"] == "failed":
-            pytest.fail(f"{test.name}\n{result['message']}", pytrace=False)
+            words = f"{test.name}\n{result['message']}\n{result['output']}"
+            pytest.fail(words.rstrip(), pytrace=False)
         if result["outcome"] == "skipped":
             pytest.skip(result["message"])
 
@@ -168,7 +200,7 @@ class _Process:
         return text
 
 
-def parameters_of(binary: Binary) -> list[Any]:
+def tests_of(binary: Binary) -> list[CSharpTest]:
     runner = package.runner()
     listing = subprocess.run(
         mono.command(runner, "--list", str(binary.path)),
@@ -181,12 +213,4 @@ def parameters_of(binary: Binary) -> list[Any]:
     if listing.returncode != 0:
         raise CompileError(f"{binary.name}'s tests cannot be listed:\n{listing.stderr}")
     tests = [json.loads(line) for line in listing.stdout.splitlines()]
-    return [
-        _parameter(CSharpTest(test["name"], binary, frozenset(test["categories"])))
-        for test in tests
-    ]
-
-
-def _parameter(test: CSharpTest) -> Any:
-    marks = [pytest.mark.long] if "Long" in test.categories else []
-    return pytest.param(test, id=test.name, marks=marks)
+    return [CSharpTest(test["name"], binary, frozenset(test["categories"])) for test in tests]

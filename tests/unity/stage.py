@@ -28,8 +28,8 @@ def binary() -> Binary:
 def parameters() -> list[Any]:
     """Return those that must pass, as parameters for pytest."""
     if reason := mono.missing():
-        return [pytest.param(CSharpTest("stage"), marks=pytest.mark.skip(reason=reason))]
-    return [p for p in csharp.parameters_of(binary()) if not p.values[0].categories]
+        return [pytest.param([], id="stage", marks=pytest.mark.skip(reason=reason))]
+    return csharp.by_class(test for test in csharp.tests_of(binary()) if not test.categories)
 
 
 def test(name: str) -> CSharpTest:

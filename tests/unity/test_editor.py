@@ -28,11 +28,11 @@ def binary() -> Binary:
     )
 
 
-@pytest.mark.parametrize("test", csharp.parameters("Ros2Gateway.Editor.Tests"))
-def test_editor(test, check_csharp):
-    check_csharp(test)
+@pytest.mark.parametrize("tests", csharp.parameters("Ros2Gateway.Editor.Tests"))
+def test_editor(tests, check_csharp):
+    check_csharp(tests)
 
 
-@pytest.mark.parametrize("test", csharp.parameters_of_compiled("clicks", binary))
-def test_clicks(test, check_csharp):
-    check_csharp(test)
+@pytest.mark.parametrize("tests", csharp.parameters_of_compiled("clicks", binary))
+def test_clicks(tests, check_csharp):
+    check_csharp(tests)

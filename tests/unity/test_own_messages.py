@@ -37,6 +37,6 @@ def test_the_assembly_compiles_for_every_target(target):
     assert assembly(target).path.exists()
 
 
-@pytest.mark.parametrize("test", csharp.parameters_of_compiled("own messages", binary))
-def test_own_messages(test, check_csharp):
-    check_csharp(test)
+@pytest.mark.parametrize("tests", csharp.parameters_of_compiled("own messages", binary))
+def test_own_messages(tests, check_csharp):
+    check_csharp(tests)

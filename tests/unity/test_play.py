@@ -28,6 +28,6 @@ def binary() -> Binary:
     )
 
 
-@pytest.mark.parametrize("test", csharp.parameters_of_compiled("play", binary))
-def test_play(test, check_csharp):
-    check_csharp(test)
+@pytest.mark.parametrize("tests", csharp.parameters_of_compiled("play", binary))
+def test_play(tests, check_csharp):
+    check_csharp(tests)

@@ -34,9 +34,9 @@ def binary() -> Binary:
     )
 
 
-@pytest.mark.parametrize("test", csharp.parameters_of_compiled("samples", binary))
-def test_samples(test, check_csharp):
-    check_csharp(test)
+@pytest.mark.parametrize("tests", csharp.parameters_of_compiled("samples", binary))
+def test_samples(tests, check_csharp):
+    check_csharp(tests)
 
 
 def test_every_sample_is_offered_by_the_package_and_says_how_to_start_it():
