@@ -204,7 +204,7 @@ class Drive:
         self._turned_away.forget(client)
         out = self._advance(now_ns)
         if held and held.command.client == client:
-            self._held = held
+            self._held = None if self.status.is_tripped else held  # a stop has taken it back
         elif held:
             out.append(refusals.taken_over(held.command, self._topic))
         if self._lease and self._lease.holder != client:
@@ -410,7 +410,7 @@ class Drive:
         is_asked: bool = False,
         allows_single: bool = False,
     ) -> None:
-        self._moves = False
+        self._moves = self._waits = False
         self._pending = self._held = None
         self._cause = cause
         if not is_asked:

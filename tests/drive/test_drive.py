@@ -440,6 +440,18 @@ def test_a_zero_takes_back_what_waits_though_it_is_due(bench: Bench, late_ms: in
     assert set(bench.sent()) == {ZERO}
 
 
+def test_a_zero_goes_out_with_its_turn_though_a_command_before_it_waited_for_time(bench: Bench):
+    bench.burst([AHEAD] * 3)
+    bench.command(ZERO)
+    bench.wait(20)
+    bench.sent()
+    bench.take(bench.drive.command(Command("a", ZERO), bench.now))
+    bench.take(bench.drive.tick(bench.now))
+    assert bench.sent() == []
+    bench.end_turn()
+    assert bench.sent() == [ZERO]
+
+
 @pytest.mark.parametrize(
     "end",
     [
@@ -978,6 +990,19 @@ def test_a_robot_that_starts_does_not_move_until_the_stick_is_let_go(guard: Guar
     bench.reset()
     bench.command()
     assert bench.sent() == [AHEAD]
+
+
+def test_a_client_that_asks_for_control_brings_back_no_command_that_a_stop_took_back(bench: Bench):
+    bench.stream(2)
+    bench.take(bench.drive.set_guard("prepared", bench.now))
+    bench.command()  # waits for the guard
+    bench.freeze(500)  # and nobody looks at the deadline
+    bench.take(bench.drive.acquire("a", bench.now))
+    assert bench.causes() == ["deadline"]
+    bench.sent()
+    bench.take(bench.drive.set_guard("ready", bench.now))
+    assert bench.sent() == []
+    assert bench.drive.status.is_tripped
 
 
 @pytest.mark.parametrize(
