@@ -199,7 +199,7 @@ def test_elements_without_a_value_count_as_well(tmp_path: Path):
 
 @pytest.mark.parametrize("more", [0, 1])
 def test_a_type_and_what_it_nests_have_2000_fields_at_most(tmp_path: Path, more: int):
-    write(tmp_path / "my_msgs/msg/Part.msg", "".join(f"bool a{n}\n" for n in range(998)))
+    write(tmp_path / "my_msgs/msg/Part.msg", "".join(f"bool a{n}\n" for n in range(499)))
     whole = "".join(f"bool b{n}\n" for n in range(1000 + more))
     write(tmp_path / "my_msgs/msg/Whole.msg", f"Part one\nPart two\n{whole}")
     definitions = InstalledDefinitions([], [tmp_path])
