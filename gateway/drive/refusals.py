@@ -17,7 +17,7 @@ CAUSE_TEXTS: Final[dict[Cause, str]] = {
     "permission": "the permission to drive ended",
     "invalid_value": "a command was invalid",
     "backlog": "many commands arrived together after a pause, so they are old",
-    "guard": "the gateway's guard process was lost",
+    "guard": "the gateway's guard process ended or hung",
     "reader": "another node began to listen, which may be a robot that starts",
     "shutdown": "the gateway is shutting down",
     "start": "this gateway needs a zero command before the first command to move",
@@ -35,8 +35,8 @@ _GUARD_TEXTS: Final[dict[GuardState, str]] = {
     "starting": _NOT_READY,
     "prepared": _NOT_READY,
     "ready": _NOT_READY,  # too late
-    "lost": "was lost, and another starts in a second, or in up to 30 s after repeated losses:"
-    " then send a zero command, and drive on",
+    "lost": "ended or hung, and another starts in a second, or in up to 30 s after repeated"
+    " losses: then send a zero command, and drive on",
 }
 
 

@@ -24,7 +24,8 @@ MAX_RESTART_S: Final = 30.0
 STABLE_S: Final = 60.0  # after so long a restart is the first one again
 # A guard that gets messages all the time answers ten times a second.
 UNANSWERED_S: Final = 1.0
-SLOW_START_S: Final = 20.0  # it imports rclpy and joins DDS: one second, on a busy machine ten
+# It imports rclpy and joins DDS: one second, on a busy machine ten. Then it opens topics.
+PREPARE_S: Final = 30.0
 END_S: Final = 0.7  # with the clients' closing handshakes, less than the 2 s of a shutdown
 
 logger = logging.getLogger(__name__)
@@ -39,6 +40,7 @@ class _Topic:
     on_state: OnState
     number: int  # of the `open`: an answer to an earlier one is too old
     sent_ns: int = 0  # the newest `moving`
+    is_opening: bool = False
 
 
 class GuardProcess:
@@ -73,6 +75,7 @@ class GuardProcess:
         self._restart: asyncio.TimerHandle | None = None
         self._asked_ns: int | None = None  # since when nothing has been answered
         self._wrote_ns = 0
+        self._overdue: asyncio.TimerHandle | None = None  # while it prepares
         self._killed: list[subprocess.Popen[bytes]] = []  # not yet waited for
 
     @property
@@ -83,10 +86,6 @@ class GuardProcess:
     def faults(self) -> Sequence[Fault]:
         """Return why commands to move are refused, if they are."""
         why = self._why_lost
-        if why is None and not self.is_ready and self._process is not None:
-            waited_s = time.monotonic() - self._started_s
-            if waited_s > SLOW_START_S:
-                why = f"has not become ready within {waited_s:.0f} s"
         if why is None:
             return ()
         text = f"the guard process {why}: commands to move are refused until another is ready"
@@ -126,6 +125,7 @@ class GuardProcess:
         for pipe in (process.stdin, process.stdout):
             os.set_blocking(_fd(pipe), False)
         asyncio.get_running_loop().add_reader(_fd(process.stdout), self._read)
+        self._expect()
 
     # For the command topics
 
@@ -168,7 +168,22 @@ class GuardProcess:
 
     def _open(self, topic: str) -> None:
         known = self._topics[topic]
+        known.is_opening = True
+        if self._overdue is None:
+            self._expect()
         self._write("open", topic, known.type_name, known.number, *known.readers)
+
+    def _expect(self) -> None:
+        """Expect an answer while the process starts or opens a topic. Replace one that hangs."""
+        if self._overdue:
+            self._overdue.cancel()
+            self._overdue = None
+        is_preparing = not self.is_ready or any(each.is_opening for each in self._topics.values())
+        if self._process is not None and is_preparing:
+            what = "opened a topic" if self.is_ready else "become ready"
+            why = f"has not {what} within {PREPARE_S:g} s"
+            loop = asyncio.get_running_loop()
+            self._overdue = loop.call_later(PREPARE_S, self._lose, why)
 
     def _ask(self, *message: object) -> None:
         """Write what is repeated often, unless the guard answers nothing: then it is lost."""
@@ -216,6 +231,8 @@ class GuardProcess:
             return
         for message in messages:
             self._hear(message)
+        if self._overdue:  # any answer proves that it does not hang
+            self._expect()
 
     def _hear(self, message: list[Any]) -> None:
         match message:
@@ -227,10 +244,12 @@ class GuardProcess:
                     self._open(topic)
             case ["opened" | "proved" as verb, topic, number] if topic in self._topics:
                 if number == self._topics[topic].number:
+                    self._topics[topic].is_opening = False
                     self._topics[topic].on_state("prepared" if verb == "opened" else "ready")
             case ["failed", topic, reason] if topic in self._topics:
                 extra = {"topic": topic}
                 logger.error("the guard process cannot guard this topic: %s", reason, extra=extra)
+                self._topics[topic].is_opening = False
                 self._topics[topic].on_state("lost")
             case ["stopped", topic]:
                 extra = {"topic": topic}
@@ -260,6 +279,9 @@ class GuardProcess:
     def _forget(self) -> None:
         """Close both pipes of the process."""
         process, self._process = self._process, None
+        if self._overdue:
+            self._overdue.cancel()
+            self._overdue = None
         self.is_ready = False
         self._asked_ns = None
         self._rest = b""

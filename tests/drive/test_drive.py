@@ -1008,7 +1008,7 @@ def test_a_client_that_asks_for_control_brings_back_no_command_that_a_stop_took_
 @pytest.mark.parametrize(
     ("event", "why"),
     [
-        (lambda bench: bench.drive.set_guard("lost", bench.now), "was lost, and another starts"),
+        (lambda bench: bench.drive.set_guard("lost", bench.now), "ended or hung, and another"),
         (lambda bench: bench.drive.set_guard("starting", bench.now), "another node began"),
         (lambda bench: bench.drive.acquire("b", bench.now), "another client took control"),
         (lambda bench: bench.drive.shut_down(bench.now), "the gateway is shutting down"),

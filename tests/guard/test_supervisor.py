@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The gateway's side of the guard process, with stand-ins for the process."""
 
+import asyncio
 import contextlib
 import errno
 import os
@@ -79,8 +80,12 @@ async def supervised(source: str) -> AsyncIterator[tuple[GuardProcess, list[Guar
         yield guard, states
 
 
-def is_running(pid: int) -> bool:
+def is_running(pid: int | None) -> bool:
     return Path(f"/proc/{pid}").exists()
+
+
+def is_stopped(pid: int | None) -> bool:
+    return "State:\tT" in Path(f"/proc/{pid}/status").read_text()
 
 
 async def test_a_topic_that_was_opened_before_the_guard_was_ready_is_opened_then():
@@ -239,12 +244,31 @@ async def test_a_topic_that_is_opened_while_no_guard_is_there_is_told_so():
         assert states == ["lost"]
 
 
-async def test_a_guard_that_does_not_become_ready_is_a_fault(clock: Clock):
-    async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
-        guard.command = (sys.executable, "-c", "input()")
-        assert guard.faults() == ()  # it is not started
-        guard.start()
-        clock.now_s += 19
-        assert guard.faults() == ()
-        clock.now_s += 2
-        assert "the guard process has not become ready within 21 s" in guard.faults()[0].text
+@pytest.mark.parametrize("what", ["become ready", "opened a topic"])
+async def test_a_guard_that_hangs_while_it_prepares_is_replaced(
+    monkeypatch, caplog, tmp_path: Path, what: str
+):
+    # the first one is stopped, as by a debugger, before it is ready or while it opens a topic
+    begun = "" if what == "become ready" else 'say("ready")\nsys.stdin.readline()\n'
+    first = f"import os, signal\n{begun}os.kill(os.getpid(), signal.SIGSTOP)\n"
+    mark = tmp_path / "first"
+    is_first = (
+        f"import os\nis_first = not os.path.exists({str(mark)!r})\nopen({str(mark)!r}, 'w')\n"
+    )
+    source = ANSWERS.replace('say("ready")', f"if is_first:\n    exec({first!r})\nsay('ready')")
+    async with supervised(is_first + source) as (guard, states):
+        pid = guard.pid
+        await eventually(lambda: is_stopped(pid) and guard.is_ready is bool(begun))
+        assert guard._overdue is not None
+        left_s = guard._overdue.when() - asyncio.get_running_loop().time()
+        assert 0 < left_s <= 30.0
+        with monkeypatch.context() as patch:  # the rest of the test does not take 30 s
+            patch.setattr(supervisor, "PREPARE_S", 0.01)
+            guard._expect()
+            await eventually(lambda: states == ["lost"])
+        why = f"the guard process has not {what} within 0.01 s: commands to move are refused"
+        assert guard.faults()[0].text.startswith(why)
+        assert why in caplog.text
+        await eventually(lambda: states == ["lost", "prepared"])
+        assert guard._overdue is None
+        assert not is_running(pid)

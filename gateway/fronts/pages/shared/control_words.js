@@ -10,7 +10,7 @@ const CAUSES = {
   permission: "this role may no longer drive",
   invalid_value: "a command was invalid",
   backlog: "commands arrived late",
-  guard: "the guard process was lost",
+  guard: "the guard process ended or hung",
   reader: "another node began to listen",
   shutdown: "the gateway shut down",
 };
@@ -27,7 +27,7 @@ export function reason({ cause, holder, isStopper }) {
 /** Return the sentence for a `control` frame. Its member `isStopper` is whether this page has pressed STOP. */
 export function sentence(frame) {
   const { state, tripped, holder, guard, clamped } = frame;
-  if (guard === "lost") return "Nothing moves because the guard process was lost. A new one is starting: wait, then press again.";
+  if (guard === "lost") return "Nothing moves because the guard process ended or hung. A new one is starting: wait, then press again.";
   if (guard === "starting") return "Nothing moves yet because the guard process is starting. Wait a moment.";
   if (holder === "other") return tripped ? "Stopped. Another client has control." : "Another client drives.";
   if (state === "moving" && !tripped) return clamped ? "Driving, but the gateway limits the speed." : "Driving.";

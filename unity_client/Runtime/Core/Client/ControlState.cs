@@ -177,7 +177,7 @@ namespace Ros2Gateway
                 case "backlog":
                     return "many commands arrived late and at once";
                 case "guard":
-                    return "the gateway's guard process was lost";
+                    return "the gateway's guard process ended or hung";
                 case "reader":
                     return "another node began to listen, which may be a robot that starts";
                 case "shutdown":
