@@ -109,11 +109,13 @@ class Bench:
 
 
 @contextlib.asynccontextmanager
-async def open_bench() -> AsyncIterator[Bench]:
+async def open_bench(**settings: Any) -> AsyncIterator[Bench]:
+    """Open one, with more arguments for the router."""
     types = Types(InstalledDefinitions(folders=[SHIPPED]))
     ros = FakeRos(types=types)
     with ThreadPoolExecutor(2) as workers:
-        router = Router(ros, types, Table.load(), limits=LIMITS, workers=workers, version="test")
+        table, shared = Table.load(), {"workers": workers, "version": "test"}
+        router = Router(ros, types, table, limits=LIMITS, **shared, **settings)
         yield Bench(ros, router, types)
         router.close()
         assert ros.entity_count() == 0
