@@ -129,8 +129,10 @@ class Conversations(RuleBasedStateMachine):
         ):
             refused = self.say(client, operation, request_id, {*codes, "limit_exceeded"}, must=True)
         else:
-            is_bad = any(each.verdict == "bad" for each in options)
-            # together with the others of the topic: fields and cbor-raw, say
+            # whatever else is subscribed
+            is_cut = "fields" in operation and operation.get("compression") == "cbor-raw"
+            is_bad = is_cut or any(each.verdict == "bad" for each in options)
+            # together with the others of the topic: image options may not fit an image of these
             more = {*codes, *OF_ROS, "bad_request"}
             refused = self.say(client, operation, request_id, more, must=is_bad)
         if not refused:

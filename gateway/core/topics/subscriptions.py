@@ -24,7 +24,6 @@ from gateway.core.topics.subscription_options import SubscriptionOptions, compre
 from gateway.core.topics.topic import Topic
 from gateway.fronts.rosbridge.operations.topics import Subscribe, Unsubscribe
 from gateway.fronts.rosbridge.session import Session
-from gateway.fronts.rosbridge.websocket_frames import Compression
 from gateway.metrics.state import ClientTopic, Delivery
 from gateway.sources.source import Graph, Ros, RosError
 
@@ -91,6 +90,7 @@ class Subscriptions:
             RosError: ROS refuses it, and nothing has changed.
         """
         name = resolve_topic(request.topic, session.limits.max_name_characters)
+        _check_compression(request)
         subscription = self._subscriptions.get(session, {}).get(request.topic)
         request = _with_bounded_queue(request, session)
         requests = dict(subscription.requests) if subscription else {}
@@ -110,7 +110,7 @@ class Subscriptions:
         if source is not None:
             # its own as well: merged with a request for everything it has none
             message_type = self._types.get(source.topic.type_name)
-            _check_fields(message_type, request.fields, compression(request))
+            _check_fields(message_type, request.fields)
             self._open(source.topic)
         if subscription is None:
             counts = self._counts.open(name)
@@ -225,7 +225,7 @@ class Subscriptions:
         message_type = self._types.on_topic(name, options.type)
         if message_type is None:
             return None
-        _check_fields(message_type, options.fields, options.compression)
+        _check_fields(message_type, options.fields)
         image = requested_picture(message_type, options, session.image_format, step)
         is_json = options.compression in {"none", "png"} and image is None
         nonfinite = options.nonfinite if is_json else "null"
@@ -371,17 +371,19 @@ def _with_bounded_queue(request: Subscribe, session: Session) -> Subscribe:
     return request.model_copy(update={"queue_length": longest})
 
 
-def _check_fields(
-    message_type: MessageType, fields: tuple[str, ...] | None, asked: Compression
-) -> None:
-    """Refuse fields that a message has not, or that cannot be told apart as it travels."""
+def _check_compression(request: Subscribe) -> None:
+    """Refuse fields that cannot be told apart as a message travels, before its type is known."""
+    if request.fields is not None and compression(request) == "cbor-raw":
+        text = "fields: cbor-raw sends whole messages, use cbor to select fields"
+        raise ProtocolError("bad_request", text)
+
+
+def _check_fields(message_type: MessageType, fields: tuple[str, ...] | None) -> None:
+    """Refuse fields that a message has not."""
     try:
         message_type.check_fields(fields)
     except FieldError as error:
         raise ProtocolError("bad_request", f"fields: {truncate(str(error))}") from error
-    if fields is not None and asked == "cbor-raw":
-        text = "fields: cbor-raw sends whole messages, use cbor to select fields"
-        raise ProtocolError("bad_request", text)
 
 
 def _topic_meant(topic: str, graph: Graph, session: Session) -> str:

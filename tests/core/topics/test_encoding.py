@@ -152,10 +152,13 @@ async def test_no_fields_give_way_to_those_that_another_request_asks_for(bench: 
     assert (await client.sees(1))[0]["msg"] == {"data": "hello"}
 
 
-async def test_fields_of_cbor_raw_are_refused(bench: Bench):
-    bench.ros.add_publisher("/t", STRING)
+@pytest.mark.parametrize("fields", [["data"], []])
+@pytest.mark.parametrize("knows_topic", [True, False])
+async def test_fields_of_cbor_raw_are_refused(bench: Bench, fields: list[str], knows_topic: bool):
+    if knows_topic:
+        bench.ros.add_publisher("/t", STRING)
     client = bench.client()
-    client.send(op="subscribe", topic="/t", compression="cbor-raw", fields=["data"])
+    client.send(op="subscribe", topic="/t", compression="cbor-raw", fields=fields)
     assert client.statuses == [
         ("bad_request", "fields: cbor-raw sends whole messages, use cbor to select fields")
     ]
