@@ -129,7 +129,7 @@ class Conversations(RuleBasedStateMachine):
         ):
             refused = self.say(client, operation, request_id, {*codes, "limit_exceeded"}, must=True)
         else:
-            # whatever else is subscribed
+            # other subscriptions of the client do not change this answer
             is_cut = "fields" in operation and operation.get("compression") == "cbor-raw"
             is_bad = is_cut or any(each.verdict == "bad" for each in options)
             # together with the others of the topic: image options may not fit an image of these
