@@ -9,7 +9,7 @@ import pytest
 from tests.client import client
 from tests.demonstration import demonstration
 from tests.doc_blocks import DOCS, texts
-from tests.e2e.test_protocol_page import on_its_own_connection
+from tests.e2e.test_protocol_page import drive_once, on_its_own_connection
 
 PAGE = "how-to/drive-safely.md"
 FRAMES = [
@@ -22,6 +22,7 @@ FRAMES = [
 async def test_the_page_shows_how_to_drive_stop_and_share_a_robot():
     assert len(FRAMES) > 4
     async with demonstration() as gateway:
+        await drive_once(gateway.url)
         for conversation in texts(PAGE, "wscat"):
             assert await on_its_own_connection(gateway.url, conversation) is None
         async with client(gateway.url) as speaker:
