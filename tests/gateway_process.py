@@ -13,6 +13,9 @@ from dataclasses import dataclass, field
 STARTUP_S = 180  # a busy machine imports for a while
 SHUTDOWN_S = 120
 
+# arguments with which a client may take all of the gateway's time
+ALL_TIME = ("--set", "limits.client_time_share=1", "--set", "limits.address_time_share=1")
+
 _ADDRESS = re.compile(r"wss?://[^\s\"]+")
 
 

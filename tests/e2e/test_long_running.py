@@ -6,7 +6,7 @@ import asyncio
 import pytest
 
 from tests.client import Client, client
-from tests.gateway_process import gateway_process
+from tests.gateway_process import ALL_TIME, gateway_process
 
 STRING = "std_msgs/msg/String"
 FIBONACCI = "test_msgs/action/Fibonacci"
@@ -14,11 +14,9 @@ MORE_THAN_FAST_DDS_KEEPS = 5001  # samples
 # DDS' handshake with a new reader, which nothing tells of. A shorter wait could only hide a loss.
 HANDSHAKE_S = 0.3
 
-NO_LIMITS = ("--set", "limits.client_time_share=1", "--set", "limits.address_time_share=1")
-
 
 async def test_messages_of_a_client_reach_one_that_subscribes_late():
-    async with gateway_process("serve", *NO_LIMITS) as gateway, client(gateway.url) as old:
+    async with gateway_process("serve", *ALL_TIME) as gateway, client(gateway.url) as old:
         await old.send(op="advertise", topic="/old", type=STRING)
         for number in range(MORE_THAN_FAST_DDS_KEEPS):
             await old.send(op="publish", topic="/old", msg={"data": str(number)})
@@ -32,7 +30,7 @@ async def test_messages_of_a_client_reach_one_that_subscribes_late():
 
 
 async def test_goals_reach_an_action_that_is_advertised_again():
-    async with gateway_process("serve", *NO_LIMITS) as gateway, client(gateway.url) as caller:
+    async with gateway_process("serve", *ALL_TIME) as gateway, client(gateway.url) as caller:
         async with client(gateway.url) as first:
             await _carry_out_goals(caller, first, MORE_THAN_FAST_DDS_KEEPS)
         async with client(gateway.url) as second:

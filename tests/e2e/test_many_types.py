@@ -5,7 +5,7 @@ from pathlib import Path
 
 from gateway.sources.rclpy.made_types import MAX_MADE
 from tests.client import client
-from tests.gateway_process import gateway_process
+from tests.gateway_process import ALL_TIME, gateway_process
 
 AT_ONCE = 64
 
@@ -16,7 +16,7 @@ async def test_as_many_types_as_there_may_be_are_heard_and_one_more_is_refused(t
     for number in range(MAX_MADE + 1):
         (folder / f"Part{number}.msg").write_text(f"int32 number\nfloat32[{number + 1}] loads\n")
     async with (
-        gateway_process("serve", "--set", f"types.paths={tmp_path}") as gateway,
+        gateway_process("serve", *ALL_TIME, "--set", f"types.paths={tmp_path}") as gateway,
         client(gateway.url) as speaker,
     ):
         for first in range(0, MAX_MADE, AT_ONCE):

@@ -17,7 +17,7 @@ from schemas.installed import InstalledDefinitions
 from schemas.table import Row, Table
 from tests.client import Client, client, eventually
 from tests.e2e.discovery import until_discovered
-from tests.gateway_process import gateway_process
+from tests.gateway_process import ALL_TIME, gateway_process
 from tests.messages import Plain, RandomMessages, from_ros, ros_class, to_json, to_ros
 from tests.sources.outside import Outside
 
@@ -29,7 +29,7 @@ UNLIMITED = (
     *("--set", "limits.max_subscriptions=500"),
     *("--set", "limits.max_advertisements=500"),
     *("--set", "limits.max_ros_entities=1000"),
-    *("--set", "limits.client_time_share=1", "--set", "limits.address_time_share=1"),
+    *ALL_TIME,
 )
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

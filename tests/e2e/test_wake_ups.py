@@ -8,7 +8,7 @@ from pathlib import Path
 
 from gateway.sources.source import Qos, Sample
 from tests.client import client, eventually
-from tests.gateway_process import gateway_process
+from tests.gateway_process import ALL_TIME, gateway_process
 from tests.sources.outside import Outside
 
 MESSAGES = 1000
@@ -35,10 +35,9 @@ def status(task: Path) -> str:
 
 async def test_no_timer_is_started_for_each_message_that_a_client_publishes() -> None:
     heard: list[Sample] = []
-    lifted = ("--set", "limits.client_time_share=1", "--set", "limits.address_time_share=1")
     with contextlib.closing(Outside()) as outside:
         outside.add_subscription("/accel", ACCEL, heard.extend, Qos(depth=MESSAGES))
-        async with gateway_process("serve", *lifted) as gateway, client(gateway.url) as driver:
+        async with gateway_process("serve", *ALL_TIME) as gateway, client(gateway.url) as driver:
             # deep enough for a reader that the machine holds up
             qos = {"depth": MESSAGES}
             await driver.send(op="advertise", topic="/accel", type=ACCEL, qos=qos)
