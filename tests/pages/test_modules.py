@@ -8,7 +8,7 @@ import pytest
 
 from tests.clients.driver import INSTALLED
 
-PAGES = Path(__file__).parents[2] / "gateway" / "pages"
+PAGES = Path(__file__).parents[2] / "gateway/fronts/pages"
 COMPILER = INSTALLED / "typescript-5.9.3/node_modules/typescript/bin/tsc"
 STRICTNESS = (
     *("--allowJs", "--checkJs", "--noEmit", "--target", "es2022", "--module", "esnext"),

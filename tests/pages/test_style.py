@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-PAGES = Path(__file__).parents[2] / "gateway" / "pages"
+PAGES = Path(__file__).parents[2] / "gateway/fronts/pages"
 STYLE = (PAGES / "style.css").read_text()
 LEAST = 4.5
 READ = ("text", "quiet", "accent", "warning", "series-4")
