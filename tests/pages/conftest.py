@@ -26,7 +26,7 @@ HOW = "no browser: run tools/make-browser.sh as root, and pip install playwright
 OpenPage = Callable[..., AbstractAsyncContextManager["Page"]]  # noqa: F821  # of playwright
 
 
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
+@pytest_asyncio.fixture(scope="package", loop_scope="package")
 async def browser():
     if not HAS_CHROMIUM:
         pytest.skip(HOW)
@@ -51,7 +51,7 @@ def robots_domain() -> int:
     return dds_domain.claim()
 
 
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
+@pytest_asyncio.fixture(scope="module", loop_scope="package")
 async def demo() -> AsyncIterator[GatewayProcess]:
     apart = ("env", f"ROS_DOMAIN_ID={robots_domain()}")
     demo = demonstration(*PATIENT, module="tests.pages.patient_demo", before=apart)
@@ -59,7 +59,7 @@ async def demo() -> AsyncIterator[GatewayProcess]:
         yield gateway
 
 
-@pytest_asyncio.fixture(loop_scope="module")
+@pytest_asyncio.fixture(loop_scope="package")
 async def speaker(demo: GatewayProcess) -> AsyncIterator[Client]:
     """Another client of the demonstration, whose robot can be driven."""
     async with client(demo.url) as speaker:

@@ -42,7 +42,7 @@ FOUND = """async () => {
 }"""
 
 pytestmark = [
-    pytest.mark.asyncio(loop_scope="module"),
+    pytest.mark.asyncio(loop_scope="package"),
     pytest.mark.skipif(not AXE.exists(), reason=f"no {AXE}: `sh tools/make-clients.sh VENV`"),
 ]
 

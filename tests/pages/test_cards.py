@@ -14,7 +14,7 @@ from tests.pages.test_drive_page import Watched, drive_by, watched
 
 __all__ = ["watched"]  # a fixture
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 # as on a page that came by http from another machine
 NO_CLIPBOARD = "Object.defineProperty(navigator, 'clipboard', { value: undefined });"

@@ -15,7 +15,7 @@ from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import DESK, page_address
 
-pytestmark = [pytest.mark.brief, pytest.mark.asyncio(loop_scope="module")]
+pytestmark = [pytest.mark.brief, pytest.mark.asyncio(loop_scope="package")]
 
 PHONE = {"width": 390, "height": 844}
 # the frames of the page, as they are sent

@@ -8,7 +8,7 @@ import pytest
 from tests.pages.conftest import DESK, page_address
 from tests.pages.test_debug_page import PHONE, until_painted
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 LARGE = {"width": 1440, "height": 900}
 LANDSCAPE = {"width": 844, "height": 390}

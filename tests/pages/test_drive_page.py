@@ -17,7 +17,7 @@ from tests.demonstration import until_it_can_be_driven
 from tests.pages.conftest import page_address, severable
 from tests.pages.test_debug_page import PHONE, until_painted
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 LATE_S = 120
 
@@ -36,7 +36,7 @@ class Watched:
         )
 
 
-@pytest_asyncio.fixture(loop_scope="module")
+@pytest_asyncio.fixture(loop_scope="package")
 async def watched(demo):
     async with client(demo.url) as speaker:
         await until_it_can_be_driven(speaker)

@@ -10,7 +10,7 @@ from tests.client import eventually
 from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import card, until
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 PLOT = "#card=plot+{rate}+/imu+linear_acceleration.z"
 FOOTER = "document.querySelector('article footer')?.textContent"

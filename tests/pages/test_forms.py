@@ -12,7 +12,7 @@ from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address, severable
 from tests.pages.test_debug_page import until
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 # the results of the pure part for a schema and for typed text
 FIELDS = """async ([schema, typed]) => {

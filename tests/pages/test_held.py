@@ -11,7 +11,7 @@ from tests.pages.test_drive_page import Watched, drive, drive_by, watched
 
 __all__ = ["drive", "watched"]  # fixtures
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 AT_REST = "() => ['', 'translate(0rem, 0rem)'].includes(knob.style.transform)"
 GOES_ON_MS = 300  # in which what is held would go on, several times over

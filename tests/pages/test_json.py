@@ -6,7 +6,7 @@ import pytest
 
 from tests.pages.conftest import page_address
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 MOST, LEAST = 2**63 - 1, -(2**63)
 READ_AND_WRITTEN = """async text => {

@@ -21,7 +21,7 @@ from tests.pages.lab import (
 )
 from tests.pages.test_drive_page import Watched, frozen_robot
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 # the position of a place of the floor on the page
 WHERE = """([x, y]) => {

@@ -7,7 +7,7 @@ import pytest
 
 from tests.pages.conftest import page_address
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 # a robot that obeys, stepped at 20 Hz until the approach ends
 RUN = """async ({ pose, target, steps = 4000, obeys = 1, staleAt = Infinity }) => {

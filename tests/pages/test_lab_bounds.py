@@ -8,7 +8,7 @@ import pytest
 from tests.pages.conftest import page_address
 from tests.pages.lab import opened
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 
 @pytest.fixture

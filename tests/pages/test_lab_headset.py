@@ -18,7 +18,7 @@ from tests.pages.lab import (
 )
 from tests.pages.test_drive_page import Watched
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 IWER = INSTALLED / "iwer-2.5.0/node_modules/iwer/build/iwer.min.js"
 

@@ -10,7 +10,7 @@ from tests.pages.conftest import page_address
 from tests.pages.lab import KEEP, SMALL, opened, send
 from tests.pages.test_lab import click_on
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 # of the laser's hits the share that lies where the picture of the map has a wall
 ON_WALLS = """() => {
@@ -160,7 +160,7 @@ async def test_a_target_beyond_the_walls_is_refused_where_there_is_no_map(open_p
         await page.wait_for_function("() => /There is no floor/.test(approach.textContent)")
 
 
-@pytest_asyncio.fixture(loop_scope="module")
+@pytest_asyncio.fixture(loop_scope="package")
 async def untold(nowhere):
     """A gateway and a client that publishes odometry, a map and a scan, without a transform."""
     scan = {"angle_increment": 0.1, "range_min": 0.1, "range_max": 9, "ranges": [1, 2, 3]}

@@ -8,7 +8,7 @@ from tests.pages.conftest import page_address
 from tests.pages.lab import SMALL
 from tests.pages.test_debug_page import NOTE_SENT
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 PICTURES = {"op": "advertise", "type": "sensor_msgs/CompressedImage", "latch": True}
 SUBSCRIBED = """topic => sent.map(JSON.parse).some(

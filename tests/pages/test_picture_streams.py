@@ -11,7 +11,7 @@ from tests.client import client
 from tests.demonstration import until_it_can_be_driven
 from tests.pages.conftest import page_address
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 SHOW = """address => {
     const shown = document.createElement("img");

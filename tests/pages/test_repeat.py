@@ -10,7 +10,7 @@ from tests.pages.test_debug_page import NOTE_SENT, until
 from tests.pages.test_forms import field, form
 from tests.pages.test_silence import SOCKETS
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 TITLE = "Publish /goal_pose"
 ADDRESS = "#card=publish+0+/goal_pose"

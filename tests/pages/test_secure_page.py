@@ -16,7 +16,7 @@ from tests.pages.test_debug_page import new_token
 
 NOT_CONNECTED = "Not connected. Enter a token."
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 
 async def test_by_https_the_pages_show_what_comes_and_may_use_a_headset(open_page, tmp_path):

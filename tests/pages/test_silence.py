@@ -10,7 +10,7 @@ from tests.pages.test_drive_page import Watched, drive_by, watched
 
 __all__ = ["watched"]  # a fixture
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 # Frames into a dead connection arrive when it is back, as by TCP.
 SOCKETS = """

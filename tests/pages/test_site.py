@@ -62,7 +62,7 @@ def test_no_page_loads_anything_from_another_host(site: Path):
     assert [url for url in loaded if urlsplit(url).netloc] == []
 
 
-@pytest.mark.asyncio(loop_scope="module")
+@pytest.mark.asyncio(loop_scope="package")
 async def test_diagrams_are_drawn_and_the_search_finds_a_page(open_page, address: str):
     async with open_page(f"{address}/contributing/architecture/") as page:
         drawn = page.locator("div.mermaid").first

@@ -10,7 +10,7 @@ from tests.pages.test_drive_page import Watched, drive, until_it_drives, watched
 
 __all__ = ["drive", "watched"]  # fixtures
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 FINGER_PX = 44
 THUMBS = {"viewport": PHONE, "has_touch": True, "is_mobile": True}

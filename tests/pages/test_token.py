@@ -8,13 +8,13 @@ from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import new_token
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 ASKS = "() => document.getElementById('token').open"
 REFUSES = "() => document.getElementById('token-problem').textContent.includes('not a token')"
 
 
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
+@pytest_asyncio.fixture(scope="module", loop_scope="package")
 async def guarded(tmp_path_factory):
     """A gateway that asks for a token, with one."""
     file = tmp_path_factory.mktemp("tokens") / "tokens.json"

@@ -12,7 +12,7 @@ from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import card, until
 from tests.pages.test_world_views import COUNT
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 # a card that gets what `take` and `says` give it. Time passes when `drawn` draws it
 ALONE = """async ({ view, fields = [], type = "std_msgs/msg/Float64", types = [type] }) => {
@@ -55,7 +55,7 @@ FOOTER = "() => document.querySelector('article > footer').textContent"
 LABEL = "() => document.querySelector('.u-series:last-child .u-label')?.textContent"
 
 
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
+@pytest_asyncio.fixture(scope="module", loop_scope="package")
 async def served(nowhere):
     async with gateway_process("serve", *nowhere) as gateway:
         yield gateway

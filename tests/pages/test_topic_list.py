@@ -10,7 +10,7 @@ from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address, robots_domain, severable
 from tests.pages.test_debug_page import card, new_token, until
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 MEASURE = "#measure"
 TALL = {"width": 1280, "height": 2400}  # all topics can be seen

@@ -7,7 +7,7 @@ import pytest_asyncio
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 TREE = """async () => {
     const { TreeView } = await import("/views/tree.js");
@@ -23,7 +23,7 @@ TEXT = "() => view.element.innerText.replaceAll(/\\s+/g, ' ').trim()"
 FOCUSED = "() => document.activeElement.ariaLabel"
 
 
-@pytest_asyncio.fixture(loop_scope="module")
+@pytest_asyncio.fixture(loop_scope="package")
 async def tree(open_page, served):
     async with open_page(f"{page_address(served)}#card=none") as page:
         await page.wait_for_selector("#cards > .empty")
@@ -31,7 +31,7 @@ async def tree(open_page, served):
         yield page
 
 
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
+@pytest_asyncio.fixture(scope="module", loop_scope="package")
 async def served(nowhere):
     async with gateway_process("serve", *nowhere) as gateway:
         yield gateway

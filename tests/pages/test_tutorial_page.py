@@ -21,7 +21,7 @@ MOVED = "() => parseFloat(document.getElementById('x').textContent) > 0.05"
 TWIST = "geometry_msgs/msg/Twist"
 FORWARD = {"linear": {"x": 0.1}}
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 
 class Handler(http.server.SimpleHTTPRequestHandler):

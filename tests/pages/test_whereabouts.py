@@ -12,7 +12,7 @@ from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import until, until_painted
 from tests.pages.test_world_views import COUNT
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 PERIOD_S = 0.1
 ROBOT = ["#world canvas", "--warning"]

@@ -10,7 +10,7 @@ from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import card, until, until_painted
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 SCAN = "sensor_msgs/msg/LaserScan"
 POSE = "geometry_msgs/msg/PoseStamped"

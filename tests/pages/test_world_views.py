@@ -15,7 +15,7 @@ from tests.pages.test_cards import NOTE_SENT
 from tests.pages.test_debug_page import card, until, until_painted
 from tests.pages.test_drive_page import frozen_robot
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 # the number of pixels of a canvas that have the colour of a token, as good as
 COUNT = """([selector, name]) => {
