@@ -191,7 +191,7 @@ def health(gateway: GatewayProcess) -> tuple[int, Entry]:
 @pytest.mark.parametrize("log_format", ["text", "json"])
 async def test_a_flood_of_connections_leaves_few_lines_and_hides_nobody_elses(log_format: str):
     async with gateway_process("serve", "--log-format", log_format) as gateway:
-        rushes = [asyncio.create_task(rush(gateway, 500)) for _ in range(8)]
+        rushes = [asyncio.create_task(rush(gateway, 150)) for _ in range(8)]
         status, first = await asyncio.to_thread(health, gateway)
         assert (status, first["live"], first["ready"]) == (200, True, True)
         gateway.process.send_signal(signal.SIGHUP)  # a line that is nobody's
@@ -205,7 +205,7 @@ async def test_a_flood_of_connections_leaves_few_lines_and_hides_nobody_elses(lo
     assert BURST <= len(flood) <= kinds * 2 * BURST < ALL_BURST * 3
     more = sum(int(line.partition("... and ")[2].split()[0]) for line in flood if "... and" in line)
     # each line that says how many were left out stands for itself
-    assert more + len(flood) >= 4000
+    assert more + len(flood) >= 1200
     log = "".join(gateway.log)
     assert log.count("reloaded permissions") == 1
     assert log.count("connected") == 1
