@@ -15,7 +15,7 @@ from tests.doc_blocks import protocol_examples
 
 CONVERSATIONS = protocol_examples()
 
-# At an example: on a busy machine nodes of ROS answer later than the page expects, commands are old
+# At an example: on a busy machine nodes of ROS answer later than the page expects. Commands are old
 # when they are read, and a name may be too new to be suggested.
 ATTEMPTS = 3
 TWIST = "geometry_msgs/msg/Twist"
