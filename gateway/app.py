@@ -12,11 +12,10 @@ import socket
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import AsyncExitStack, contextmanager
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
@@ -24,19 +23,19 @@ from gateway.access.posture import Posture
 from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
+from gateway.core.missing_parts import complete
 from gateway.core.router import Router
 from gateway.definitions import known_definitions
 from gateway.diagnostics import publishing
 from gateway.ending_signals import ENDING
 from gateway.errors import ConfigError, system_reason
 from gateway.faults import Fault
-from gateway.guard.supervisor import GuardProcess
 from gateway.log_fields import counted, text_of
 from gateway.log_rate import LogRate
 from gateway.memory import exempt_from_collection, keep_large_blocks, returning_free_memory
 from gateway.security import Security, open_security
-from gateway.sources.rclpy import RosOptions, open_ros
-from gateway.sources.source import LogLevel, Ros, RosError
+from gateway.sources.rclpy.configured import open_source as open_rclpy
+from gateway.sources.source import Diagnosis, LogLevel, Source
 from gateway.start import Start
 from gateway.transport.admission import Admission
 from gateway.transport.discovery_packets import MAX_PATH, FoundGateway
@@ -77,6 +76,7 @@ class Listening:
         return self.certificate is not None and self.tls_port is None
 
 
+OpenSource = Callable[[Config, InstalledDefinitions], AbstractAsyncContextManager[Source]]
 Announce = Callable[[Listening], Callable[[], None]]
 
 
@@ -85,6 +85,7 @@ def run(
     *,
     announce: Announce,
     load: Callable[[], Config],
+    open_source: OpenSource | None = None,
     streams: Sequence[int] = STANDARD_STREAMS,
     was_interrupted: Callable[[], bool] = lambda: False,
 ) -> int:
@@ -98,17 +99,20 @@ def run(
     Raises:
         KeyboardInterrupt: the process *was_interrupted* before it handled signals itself.
         BindError: the address or port cannot be listened on.
-        ConfigError: ROS refuses its part of the configuration.
+        ConfigError: the source refuses its part of the configuration.
         RosMissingError: rclpy is missing.
     """
     with asyncio.Runner(loop_factory=_loop_factory()) as runner:
-        return runner.run(_serve(config, announce, load, streams, was_interrupted))
+        return runner.run(
+            _serve(config, announce, load, open_source or open_rclpy, streams, was_interrupted)
+        )
 
 
 async def _serve(
     config: Config,
     announce: Announce,
     load: Callable[[], Config],
+    open_source: OpenSource,
     streams: Sequence[int],
     was_interrupted: Callable[[], bool],
 ) -> int:
@@ -121,10 +125,10 @@ async def _serve(
         end_by_force = stack.enter_context(_forced_end())
         security = stack.enter_context(open_security(config))
         definitions = known_definitions(config.types.paths, "types.paths")
-        ros = await _open_ros(stack, config, definitions)
-        stack.enter_context(_logging_to(ros))
+        source = await stack.enter_async_context(open_source(config, definitions))
+        ros = complete(source)
+        stack.enter_context(_logging_to(ros.diagnosis))
         workers = stack.enter_context(_workers(config.images.workers))
-        guard = await stack.enter_async_context(_guard(config))
         types = Types(definitions)
         router = Router(
             ros,
@@ -135,7 +139,6 @@ async def _serve(
             version=version("ros2-json-gateway"),
             audit=security.audit,
             control=config.control,
-            guard=guard,
             image_format=config.images.default_format,
             asks_nodes=config.types.ask_nodes,
         )
@@ -150,7 +153,7 @@ async def _serve(
             web_rules=security.rules,
             admission=partial(Admission, security.authentication, config.access, security.audit),
             version=version("ros2-json-gateway"),
-            find_faults=lambda: (*ros.faults(), *guard.faults(), *_others(security, start)),
+            find_faults=lambda: (*ros.diagnosis.faults(), *_others(security, start)),
         )
         doors = [Door(config.port, security.tls)]
         if config.tls.port is not None:
@@ -164,11 +167,13 @@ async def _serve(
         exempt_from_collection()
         stack.enter_context(returning_free_memory())
         invite = announce(_listening(config, security, addresses, tls_port))
-        guard.start()  # last: nobody waits for it to listen
+        if ros.publishing.guard is not None:
+            ros.publishing.guard.start()  # last: nobody waits for it to listen
         stack.enter_context(start.inviting(invite))
-        if config.ros.diagnostics:
+        if config.ros.diagnostics and source.publishing is not None:
             name = config.ros.node_prefix
-            stack.enter_context(publishing(ros, types, server.summary, name))
+            reporting = publishing(source.publishing, source.now_ns, types, server.summary, name)
+            stack.enter_context(reporting)
         await stop.wait()
         end_by_force()
         router.stop_robots()  # first: closing the connections takes up to a second
@@ -215,32 +220,6 @@ def _discoverable(
     )
     with answering_questions(itself):
         yield
-
-
-async def _open_ros(
-    stack: AsyncExitStack, config: Config, definitions: InstalledDefinitions
-) -> Ros:
-    # a check whether ROS takes such types costs 0.3 s, and is useless if all are installed
-    packages = definitions.packages_in_folders()
-    makes_types = any(find_spec(package) is None for package in packages)
-    try:
-        opening = open_ros(_ros_options(config), definitions, makes_types=makes_types)
-        return await stack.enter_async_context(opening)
-    except RosError as error:
-        text = str(error).strip()
-        is_peer = "resolve peer" in text  # as Fast DDS says it
-        remedy = ". Correct its name in ROS_STATIC_PEERS, or remove it" if is_peer else ""
-        raise ConfigError(f"ROS: {text}{remedy}") from error
-
-
-def _guard(config: Config) -> GuardProcess:
-    namespace, _, name = _ros_options(config).guard_node.rpartition("/")
-    return GuardProcess(
-        name,
-        namespace or "/",
-        config.ros.domain_id,
-        deadline_s=config.control.deadline_s,
-    )
 
 
 def _handle_signals(
@@ -303,18 +282,6 @@ def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:
     return factory
 
 
-def _ros_options(config: Config) -> RosOptions:
-    return RosOptions(
-        node_prefix=config.ros.node_prefix,
-        namespace=config.ros.namespace,
-        domain_id=config.ros.domain_id,
-        use_sim_time=config.ros.use_sim_time,
-        max_entities=config.limits.max_ros_entities,
-        reserved_topics=config.control.topics,
-        reserved_entities=config.limits.reserved_ros_entities,
-    )
-
-
 class _LoopErrors:
     """Reports what nobody awaits.
 
@@ -367,7 +334,7 @@ def _workers(count: int) -> Iterator[ThreadPoolExecutor]:
 
 
 @contextmanager
-def _logging_to(ros: Ros) -> Iterator[None]:
+def _logging_to(ros: Diagnosis) -> Iterator[None]:
     """Send the gateway's own log to /rosout as well."""
     handler = _RosoutHandler(ros, asyncio.get_running_loop())
     logger.addHandler(handler)
@@ -378,7 +345,7 @@ def _logging_to(ros: Ros) -> Iterator[None]:
 
 
 class _RosoutHandler(logging.Handler):
-    def __init__(self, ros: Ros, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(self, ros: Diagnosis, loop: asyncio.AbstractEventLoop) -> None:
         super().__init__(logging.INFO)
         self._ros = ros
         self._loop = loop

@@ -10,7 +10,8 @@ from typing import Final
 from gateway.codec.types import Types
 from gateway.metrics.diagnosis import Diagnosis, diagnose
 from gateway.metrics.state import Summary
-from gateway.sources.source import Publisher, Qos, Ros, RosError
+from gateway.sources.source import Publisher, Publishing, Qos, RosError
+from schemas.json_forms import Clock
 
 TOPIC: Final = "/diagnostics"
 TYPE: Final = "diagnostic_msgs/msg/DiagnosticArray"
@@ -22,10 +23,15 @@ logger = logging.getLogger(__name__)
 
 @contextlib.contextmanager
 def publishing(
-    ros: Ros, types: Types, summarize: Callable[[], Summary], name: str
+    part: Publishing,
+    now_ns: Clock,
+    types: Types,
+    summarize: Callable[[], Summary],
+    name: str,
 ) -> Iterator[None]:
     """Publish a diagnosis each second in the context. Component names begin with *name*."""
-    task = asyncio.get_running_loop().create_task(_report(_Reports(ros, types, summarize, name)))
+    reports = _Reports(part, now_ns, types, summarize, name)
+    task = asyncio.get_running_loop().create_task(_report(reports))
     try:
         yield
     finally:
@@ -39,8 +45,16 @@ async def _report(reports: "_Reports") -> None:
 
 
 class _Reports:
-    def __init__(self, ros: Ros, types: Types, summarize: Callable[[], Summary], name: str) -> None:
-        self._ros = ros
+    def __init__(
+        self,
+        part: Publishing,
+        now_ns: Clock,
+        types: Types,
+        summarize: Callable[[], Summary],
+        name: str,
+    ) -> None:
+        self._part = part
+        self._now_ns = now_ns
         self._types = types
         self._summarize = summarize
         self._name = name
@@ -61,11 +75,11 @@ class _Reports:
 
     def _publish(self) -> None:
         if self._publisher is None:  # until then clients may have the topic with another type
-            self._publisher = self._ros.advertise_own(TOPIC, TYPE, QOS)
+            self._publisher = self._part.advertise_own(TOPIC, TYPE, QOS)
         before, self._before = self._before, self._summarize()
         status = [_status(each, self._name) for each in diagnose(self._before, before)]
         message = {"header": {"stamp": "now"}, "status": status}
-        self._publisher.publish(self._types.get(TYPE).encode(message, self._ros.now_ns))
+        self._publisher.publish(self._types.get(TYPE).encode(message, self._now_ns))
 
     def _is_new(self, error: Exception) -> bool:
         before, self._trouble = self._trouble, repr(error)

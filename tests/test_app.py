@@ -25,7 +25,7 @@ from gateway.config.model import Config, RosConfig
 from gateway.definitions import known_definitions
 from gateway.guard import MARGIN_S, supervisor
 from gateway.log_rate import BURST
-from gateway.sources.rclpy import RosOptions, deferred_destruction
+from gateway.sources.rclpy import RosOptions, configured, deferred_destruction
 from gateway.transport import server
 from schemas.installed import InstalledDefinitions
 from tests.client import TIMEOUT_S, client
@@ -55,7 +55,7 @@ NOT_CONFIGURED = {
 
 
 def test_every_value_of_the_configuration_reaches_its_place():
-    assert app._ros_options(CONFIG) == ROS_OPTIONS
+    assert configured.ros_options(CONFIG) == ROS_OPTIONS
     # so that a field which nothing sets, or two that are swapped, cannot pass
     for field in dataclasses.fields(ROS_OPTIONS):
         if field.name not in NOT_CONFIGURED:
@@ -66,7 +66,7 @@ def test_every_value_of_the_configuration_reaches_its_place():
 
 def test_the_guard_gets_the_configured_deadline_and_the_nodes_domain():
     config = Config(ros=CONFIG.ros, control=ControlConfig(deadline_s=1.25))
-    options = json.loads(app._guard(config).command[-1])
+    options = json.loads(configured.guard_of(config).command[-1])
     assert options["silence_ns"] == pytest.approx((1.25 + MARGIN_S) * 1e9)
     assert options["domain_id"] == 7
 
@@ -126,13 +126,13 @@ async def test_types_are_made_where_one_is_not_installed(
         (place / "Lamp.msg").write_text("bool on\n")
     asked = []
 
-    def opened(options: object, definitions: object, *, makes_types: bool) -> Any:
+    def opened(options: object, definitions: object, *, makes_types: bool, guard: object) -> Any:
         asked.append(makes_types)
         return contextlib.nullcontext()
 
-    monkeypatch.setattr(app, "open_ros", opened)
-    async with contextlib.AsyncExitStack() as stack:
-        await app._open_ros(stack, CONFIG, InstalledDefinitions(folders=[tmp_path]))
+    monkeypatch.setattr(configured, "open_ros", opened)
+    async with configured.open_source(CONFIG, InstalledDefinitions(folders=[tmp_path])):
+        pass
     assert asked == [is_made]
 
 

@@ -39,7 +39,7 @@ class Bench:
         return summary()
 
     def publishing(self) -> Any:
-        return diagnostics.publishing(self.ros, TYPES, self.summarize, "robot")
+        return diagnostics.publishing(self.ros, self.ros.now_ns, TYPES, self.summarize, "robot")
 
     async def hears_more(self) -> None:
         count = len(self.heard)

@@ -9,6 +9,7 @@ from gateway.codec.error_text import did_you_mean
 from gateway.codec.types import ActionType, ServiceType, Types
 from gateway.core.bad_type import bad_type
 from gateway.core.errors import ProtocolError
+from gateway.core.missing_parts import require
 from gateway.core.names import ActionName, ServiceName
 from gateway.sources.source import Ros
 from schemas.definition import DefinitionError
@@ -78,7 +79,9 @@ class InterfaceTypes:
 
         Raises:
             ProtocolError: nobody provides it, or not with that type.
+            RosError: the source has none.
         """
+        require(self._ros.services)
         found = self._ros.service_types(service)
         known = (each.name for each in self._ros.graph().services) if not found else ()
         name = self._one("service", service, requested, found, filter(sees, known))
@@ -91,7 +94,9 @@ class InterfaceTypes:
 
         Raises:
             ProtocolError: nobody provides it, or not with that type.
+            RosError: the source has none.
         """
+        require(self._ros.actions)
         found = self._ros.action_types(action)
         known = (each.name for each in self._ros.graph().actions) if not found else ()
         name = self._one("action", action, requested, found, filter(sees, known))

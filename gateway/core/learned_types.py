@@ -61,6 +61,7 @@ class LearnedTypes:
         self._clients = clients
         self._on_change = on_change
         self._asks_nodes = asks_nodes
+        self._carried: set[str] = set()  # types whose definitions the source has given
         self._asking: dict[str, asyncio.Task[None]] = {}  # by type
         self._slots = asyncio.Semaphore(ASKED_AT_ONCE)
         self._silent: dict[TypeHolder, float] = {}  # and until when
@@ -88,7 +89,7 @@ class LearnedTypes:
         """Ask a node for the type of a topic, unless it is known. Return whether one is asked."""
         if type_name in self._asking:
             return True
-        if not self._may_ask(type_name):
+        if type_name in self._carried or not self._may_ask(type_name):
             return False
         holders = self._ros.type_holders(topic, type_name)
         known = self._known_hash(type_name)
@@ -147,6 +148,11 @@ class LearnedTypes:
     async def _ask(self, type_name: str, holders: Sequence[TypeHolder]) -> None:
         try:
             async with self._slots:
+                told = await self._ros.definitions(type_name)
+                if told is not None:
+                    self._definitions.tell(told)
+                    self._carried.add(type_name)
+                    return
                 await self._ros.make_types()
                 for holder in holders:
                     why = await self._learn(type_name, holder)

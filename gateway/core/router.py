@@ -17,7 +17,6 @@ from gateway.config.limits import Limits
 from gateway.core.actions.client_actions import ClientActions
 from gateway.core.actions.goals import Goals
 from gateway.core.commands.commands import Commands
-from gateway.core.commands.guard import Guard, NoGuard
 from gateway.core.deadline import Deadline
 from gateway.core.entity_shares import EntityShares
 from gateway.core.errors import ProtocolError
@@ -26,6 +25,7 @@ from gateway.core.introspection.descriptions import Descriptions
 from gateway.core.introspection.introspection import Introspection
 from gateway.core.large_messages import LargeMessages
 from gateway.core.learned_types import LearnedTypes
+from gateway.core.missing_parts import complete
 from gateway.core.names import resolve_topic
 from gateway.core.permission_checks import may_carry_out
 from gateway.core.role_views import RoleViews
@@ -56,7 +56,7 @@ from gateway.fronts.rosbridge.operations.base import Operation
 from gateway.fronts.rosbridge.operations.topics import ImageFormat
 from gateway.fronts.rosbridge.session import Session
 from gateway.metrics.state import ControlState, Traffic
-from gateway.sources.source import Ros
+from gateway.sources.source import Source
 from schemas.table import Table
 
 # To read 10 MB of text takes up to 16 ms, as 15 KB of CBOR do. To carry it out may take as long.
@@ -82,7 +82,7 @@ class Router:
 
     def __init__(  # noqa: PLR0913  # one argument for each part that it shares
         self,
-        ros: Ros,
+        source: Source,
         types: Types,
         table: Table,
         *,
@@ -91,10 +91,10 @@ class Router:
         version: str,
         audit: Audit | None = None,
         control: ControlConfig | None = None,
-        guard: Guard | None = None,
         image_format: ImageFormat = "jpeg",
         asks_nodes: bool = True,
     ) -> None:
+        ros = complete(source)
         self._service_clients = ServiceClients(ros)
         self._learned = LearnedTypes(
             ros, types, self._service_clients, self._on_types_learned, asks_nodes=asks_nodes
@@ -105,7 +105,6 @@ class Router:
         self._limits = limits
         self._image_format = image_format
         self._audit = audit or Audit(time.time_ns, level=logging.DEBUG)
-        self._guard = guard or NoGuard()
         self._counts = CountsByTopic()
         self._events = TopicEvents()
         self._sessions: set[Session] = set()
@@ -116,7 +115,7 @@ class Router:
         self._looking = Tasks()
         self._views = RoleViews(ros, types, self._service_clients)
         self._subscriptions = Subscriptions(ros, topic_types, workers, self._counts, self._events)
-        watched = (self._guard, self._audit, self._counts, self._events)
+        watched = (ros.publishing.guard, self._audit, self._counts, self._events)
         self._commands = Commands(ros, topic_types, control or ControlConfig(), *watched)
         offering = (self._commands, self._counts, self._events)
         pictures = PublishedPictures(ros, topic_types, workers)
@@ -263,17 +262,17 @@ class Router:
 
     def control(self) -> ControlState:
         """Return the state of the command topics and of their guard."""
-        return ControlState(self._commands.drives(), self._guard.is_ready, self._guard.losses)
+        return self._commands.control_state()
 
     def shared_names(self) -> Sequence[str]:
         """Return the names that several nodes of the graph have."""
-        return self._ros.shared_names()
+        return self._ros.diagnosis.shared_names()
 
     def counts(self) -> dict[str, int]:
         """Count the open sessions and entities, for health reports."""
         return {
             "clients": len(self._sessions),
-            "ros_entities": self._ros.entity_count(),
+            "ros_entities": self._ros.diagnosis.entity_count(),
             "subscriptions": self._subscriptions.topics,
             "publishers": self._publications.publishers + self._commands.publishers,
             "services": self._services.services,

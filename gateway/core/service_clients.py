@@ -6,7 +6,8 @@ from gateway.codec.types import MessageType, ServiceType
 from gateway.core.client_cache import ClientCache
 from gateway.core.deadline import Deadline
 from gateway.core.errors import ProtocolError
-from gateway.sources.source import Ros, ServiceClient
+from gateway.sources.services import ServiceClient
+from gateway.sources.source import Ros
 from schemas.json_forms import Clock
 
 
@@ -36,7 +37,7 @@ class ServiceClients:
         """
         request = encode_values(service_type.request, values, self._ros.now_ns, "args")
         key = service, service_type.name
-        with self._clients.use(key, lambda: self._ros.client(*key)) as client:
+        with self._clients.use(key, lambda: self._ros.services.client(*key)) as client:
             async with deadline.limit(f"service {service} has not answered"):
                 response = await client.call(request)
         try:

@@ -93,3 +93,31 @@ class ActionServer(Protocol):
         Requests of callers that have not yet discovered the end are answered, goals by a
         rejection. Closing twice is harmless.
         """
+
+
+class Actions(Protocol):
+    """The part of a source that sends goals, and provides actions."""
+
+    def action_client(self, action: str, type_name: str) -> ActionClient:
+        """Create a client of an action by its fully resolved name.
+
+        Raises:
+            RosError: as for `subscribe`. *type_name* is ``pkg/action/Name``.
+        """
+
+    def serve_action(
+        self,
+        action: str,
+        type_name: str,
+        on_goal: Callable[[GoalRequest], None],
+        on_cancel: Callable[[GoalRequest], None],
+    ) -> ActionServer:
+        """Provide an action by its fully resolved name.
+
+        *on_cancel* is called once for a goal of *on_goal*'s that a client wants to cancel. The
+        goal continues until it is finished.
+
+        Raises:
+            RosError: as for `action_client`. Also ``limit_exceeded`` if the gateway provides it
+                already.
+        """

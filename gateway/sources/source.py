@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The interface of the core to a robot, as Protocols.
+"""The interface of the core to a robot, as Protocols: a source.
 
-`gateway.sources.rclpy` implements it. The tests' fake passes the same contract suite. Everything
-here is called on the event loop's thread and returns without blocking. Callbacks run on that
-thread.
+Every source has topics, a graph, and a clock. The other parts are ``None`` if it has none.
+`gateway.sources.rclpy` implements all of them. The tests' fake passes the same contract suite.
+Everything here is called on the event loop's thread and returns without blocking. Callbacks run on
+that thread.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -12,7 +13,10 @@ from typing import Final, Literal, NamedTuple, Protocol
 
 from gateway.codec.cdr import Cdr
 from gateway.faults import Fault
-from gateway.sources.actions import ActionClient, ActionServer, GoalRequest
+from gateway.sources.actions import Actions
+from gateway.sources.guard import Guard
+from gateway.sources.services import Services
+from schemas.definition import Definition
 
 Reliability = Literal["reliable", "best_effort"]
 Durability = Literal["volatile", "transient_local"]
@@ -201,49 +205,6 @@ class Publisher(Protocol):
         """Destroy it. Closing twice is harmless."""
 
 
-class ServiceClient(Protocol):
-    """A client of a ROS service. Its requests and responses are CDR."""
-
-    async def call(self, request: bytes) -> bytes:
-        """Wait for a server, send the request, wait for the response. Cancelling forgets it.
-
-        Any number of calls may be pending. The caller sets the time limit.
-
-        Raises:
-            RosError: ``not_found``: the server disappeared before it responded, or the client was
-                closed.
-        """
-
-    def close(self) -> None:
-        """Destroy it. Pending calls fail. Closing twice is harmless."""
-
-
-class Request(Protocol):
-    """A request to a service that the gateway provides."""
-
-    @property
-    def cdr(self) -> bytes:
-        """The request, encapsulation header included."""
-
-    def answer(self, response: bytes) -> None:
-        """Respond, at most once. It does nothing if the service is closed or the caller is gone.
-
-        Raises:
-            RosError: ``internal``: *response* is not CDR of the type. The request is still open.
-        """
-
-
-class Service(Protocol):
-    """A ROS service that the gateway provides."""
-
-    def close(self) -> None:
-        """Withdraw it. Closing twice is harmless.
-
-        *on_request* still gets requests that have arrived, and those sent by callers that have not
-        yet discovered the end. Answers that it gives before it returns are sent.
-        """
-
-
 class Watch(Protocol):
     """A registration of a callback."""
 
@@ -251,8 +212,66 @@ class Watch(Protocol):
         """End it. No callback follows. Closing twice is harmless."""
 
 
+class Publishing(Protocol):
+    """The part of a source that publishes."""
+
+    @property
+    def guard(self) -> Guard | None:
+        """The part that stops a robot if this process cannot. Nobody drives without it."""
+
+    def readers(self, topic: str) -> frozenset[str]:
+        """Return the ids of the subscriptions that other nodes have to a topic.
+
+        They are the same in all processes, and a subscription is among them before a publisher
+        counts it by `Publisher.new_matches`.
+        """
+
+    def advertise(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        on_event: Callable[[TopicEvent], None],
+    ) -> Publisher:
+        """Create a publisher on a fully resolved topic name. Open QoS fields get defaults.
+
+        *on_event* hears of each subscription that gets nothing, because of its type or of
+        what it asks for, and of missed deadlines. The gateway's own subscriptions hear of it
+        themselves.
+
+        Raises:
+            RosError: as for `subscribe`.
+        """
+
+    def advertise_own(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+        """Create a publisher of the gateway itself. `entity_count` leaves it out.
+
+        Raises:
+            RosError: as for `subscribe`.
+        """
+
+
+class Diagnosis(Protocol):
+    """The part of a source that reports on the source itself."""
+
+    def log(self, level: LogLevel, text: str) -> None:
+        """Write to the debug node's logger, and so to ``/rosout``."""
+
+    def faults(self) -> Sequence[Fault]:
+        """Return what is wrong with ROS itself. Ask every few seconds, or a hang is not found."""
+
+    def shared_names(self) -> Sequence[str]:
+        """Return the full names that several nodes have had for a while, sorted.
+
+        A node that was killed stays in the graph next to its successor, and does not count.
+        """
+
+    def entity_count(self) -> int:
+        """Count the open entities of this port, of all kinds."""
+
+
 class RosGraph(Protocol):
-    """The part of `Ros` that only looks."""
+    """The part of `Source` that only looks."""
 
     @property
     def distro(self) -> str:
@@ -271,8 +290,24 @@ class RosGraph(Protocol):
         """Return the graph that is known now."""
 
 
-class Ros(RosGraph, Protocol):
-    """ROS 2 as the gateway uses it."""
+class Source(RosGraph, Protocol):
+    """The robot, or its stand-in, that the gateway serves. An object may be its own parts."""
+
+    @property
+    def publishing(self) -> Publishing | None:
+        """The part that publishes."""
+
+    @property
+    def services(self) -> Services | None:
+        """The part that calls and provides services."""
+
+    @property
+    def actions(self) -> Actions | None:
+        """The part that sends goals, and provides actions."""
+
+    @property
+    def diagnosis(self) -> Diagnosis | None:
+        """The part that reports on the source itself."""
 
     def topics(self) -> Mapping[str, Sequence[str]]:
         """Return the types of all topics, which is far cheaper than `graph`."""
@@ -283,11 +318,10 @@ class Ros(RosGraph, Protocol):
         Nodes that do not show a hash are left out.
         """
 
-    def readers(self, topic: str) -> frozenset[str]:
-        """Return the ids of the subscriptions that other nodes have to a topic.
+    async def definitions(self, type_name: str) -> Mapping[str, Definition] | None:
+        """Return the definition of a message type, and those of the types that it nests.
 
-        They are the same in all processes, and a subscription is among them before a publisher
-        counts it by `Publisher.new_matches`.
+        Return ``None`` if the source does not carry them. Then nodes with the type are asked.
         """
 
     async def make_types(self) -> None:
@@ -315,68 +349,6 @@ class Ros(RosGraph, Protocol):
             RosError: the name or the type is invalid, or the type's ROS package is not installed.
         """
 
-    def advertise(
-        self,
-        topic: str,
-        type_name: str,
-        qos: Qos,
-        on_event: Callable[[TopicEvent], None],
-    ) -> Publisher:
-        """Create a publisher on a fully resolved topic name. Open QoS fields get defaults.
-
-        *on_event* hears of each subscription that gets nothing, because of its type or of
-        what it asks for, and of missed deadlines. The gateway's own subscriptions hear of it
-        themselves.
-
-        Raises:
-            RosError: as for `subscribe`.
-        """
-
-    def advertise_own(self, topic: str, type_name: str, qos: Qos) -> Publisher:
-        """Create a publisher of the gateway itself. `entity_count` leaves it out.
-
-        Raises:
-            RosError: as for `subscribe`.
-        """
-
-    def client(self, service: str, type_name: str) -> ServiceClient:
-        """Create a client of a service by its fully resolved name.
-
-        Raises:
-            RosError: as for `subscribe`. *type_name* is ``pkg/srv/Name``.
-        """
-
-    def serve(self, service: str, type_name: str, on_request: Callable[[Request], None]) -> Service:
-        """Provide a service by its fully resolved name.
-
-        Raises:
-            RosError: as for `client`. Also ``limit_exceeded`` if the gateway provides it already.
-        """
-
-    def action_client(self, action: str, type_name: str) -> ActionClient:
-        """Create a client of an action by its fully resolved name.
-
-        Raises:
-            RosError: as for `subscribe`. *type_name* is ``pkg/action/Name``.
-        """
-
-    def serve_action(
-        self,
-        action: str,
-        type_name: str,
-        on_goal: Callable[[GoalRequest], None],
-        on_cancel: Callable[[GoalRequest], None],
-    ) -> ActionServer:
-        """Provide an action by its fully resolved name.
-
-        *on_cancel* is called once for a goal of *on_goal*'s that a client wants to cancel. The
-        goal continues until it is finished.
-
-        Raises:
-            RosError: as for `action_client`. Also ``limit_exceeded`` if the gateway provides it
-                already.
-        """
-
     def topic_types(self, topic: str) -> tuple[str, ...]:
         """Return the types of a topic, sorted. The result is empty if the graph does not know it.
 
@@ -396,20 +368,25 @@ class Ros(RosGraph, Protocol):
     def watch_jumps_back(self, on_jump: Callable[[], None]) -> Watch:
         """Call *on_jump* when simulated time has jumped back, however little."""
 
-    def log(self, level: LogLevel, text: str) -> None:
-        """Write to the debug node's logger, and so to ``/rosout``."""
 
-    def faults(self) -> Sequence[Fault]:
-        """Return what is wrong with ROS itself. Ask every few seconds, or a hang is not found."""
+class Ros(Source, Protocol):
+    """A source with all parts, as the core uses it. See `gateway.core.missing_parts`."""
 
-    def shared_names(self) -> Sequence[str]:
-        """Return the full names that several nodes have had for a while, sorted.
+    @property
+    def publishing(self) -> Publishing:
+        """The part that publishes."""
 
-        A node that was killed stays in the graph next to its successor, and does not count.
-        """
+    @property
+    def services(self) -> Services:
+        """The part that calls and provides services."""
 
-    def entity_count(self) -> int:
-        """Count the open entities of this port, of all kinds."""
+    @property
+    def actions(self) -> Actions:
+        """The part that sends goals, and provides actions."""
+
+    @property
+    def diagnosis(self) -> Diagnosis:
+        """The part that reports on the source itself."""
 
 
 MAX_TAKES_PER_TURN = 32  # 4 ms of Odometry at 4 kHz, then other sockets and topics follow

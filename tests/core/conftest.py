@@ -16,6 +16,7 @@ from gateway.config.limits import Limits
 from gateway.core.errors import Level
 from gateway.core.router import Router
 from gateway.fronts.rosbridge.session import Session
+from gateway.sources.guard import Guard
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
@@ -109,10 +110,10 @@ class Bench:
 
 
 @contextlib.asynccontextmanager
-async def open_bench(**settings: Any) -> AsyncIterator[Bench]:
+async def open_bench(guard: Guard | None = None, **settings: Any) -> AsyncIterator[Bench]:
     """Open one, with more arguments for the router."""
     types = Types(InstalledDefinitions(folders=[SHIPPED]))
-    ros = FakeRos(types=types)
+    ros = FakeRos(types=types, guard=guard)
     with ThreadPoolExecutor(2) as workers:
         table, shared = Table.load(), {"workers": workers, "version": "test"}
         router = Router(ros, types, table, limits=LIMITS, **shared, **settings)

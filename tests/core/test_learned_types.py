@@ -9,7 +9,8 @@ import pytest
 
 from gateway.core import learned_types
 from gateway.core.learned_types import LOOK_S
-from gateway.sources.source import Request, TypeHolder
+from gateway.sources.services import Request
+from gateway.sources.source import TypeHolder
 from schemas.definition import parse_definition
 from schemas.installed import InstalledDefinitions
 from schemas.type_hash import computed_type_hash, type_description
@@ -372,3 +373,25 @@ async def test_a_node_without_the_service_is_looked_at_again_after_2_s(bench: Be
     await clock.advance(0.2)
     await clock.advance(0)
     assert len(node.requests) == 1
+
+
+async def test_a_source_that_carries_a_definition_is_asked_once_and_no_node(bench: Bench):
+    node = Node(bench)
+    asked: list[str] = []
+    carried = {LAMP: parse_definition(LAMP, "bool on\n")}
+
+    async def definitions(type_name: str) -> Any:
+        asked.append(type_name)
+        return carried if type_name in carried else None
+
+    bench.ros.definitions = definitions  # type: ignore[method-assign]
+    publisher = node.publish("/lamp", LAMP)
+    client = bench.client()
+    client.send(op="subscribe", topic="/lamp")
+    await eventually(lambda: len(bench.ros.subscriptions) == 1)
+    publisher.publish(bench.cdr(LAMP, on=True))
+    await client.sees(1)
+    await changes(bench)
+    assert asked == [LAMP]
+    assert node.requests == []
+    assert client.messages == [{"on": True}]

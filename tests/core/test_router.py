@@ -293,7 +293,7 @@ async def test_a_failure_to_close_keeps_nothing_else_open(bench: Bench, monkeypa
         with pytest.raises(RosError):
             bench.router.leave(client.session)
     assert bench.ros.entity_count() == 1
-    bench.ros.services.clear()
+    bench.ros.service_servers.clear()
 
 
 async def test_the_first_watcher_of_the_graph_hears_of_the_first_change(bench: Bench):
@@ -304,6 +304,6 @@ async def test_the_first_watcher_of_the_graph_hears_of_the_first_change(bench: B
     await first.sees(2, "graph")
     (change,) = [frame["changes"] for frame in first.of("graph") if "changes" in frame]
     assert [service["name"] for service in change["services"]] == ["/s"]
-    bench.ros.services[0].close()
+    bench.ros.service_servers[0].close()
     await second.sees(3, "graph")
     assert second.of("graph")[-1]["changes"]["gone_services"] == ["/s"]

@@ -11,7 +11,8 @@ from gateway.codec.types import Types
 from gateway.core.deadline import Deadline
 from gateway.core.errors import ProtocolError
 from gateway.core.service_clients import ServiceClients, encode_values
-from gateway.sources.source import Request, RosError
+from gateway.sources.services import Request
+from gateway.sources.source import RosError
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
 from tests.sources.fake import FakeRos

@@ -17,7 +17,7 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.frames import CloseCode
 
 from gateway.sources.actions import CANCELED, GoalRequest
-from gateway.sources.source import Request
+from gateway.sources.services import Request
 from tests.client import TIMEOUT_S, client, eventually
 from tests.e2e.discovery import until_discovered
 from tests.gateway_process import GatewayProcess, gateway_process

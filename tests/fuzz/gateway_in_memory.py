@@ -12,7 +12,7 @@ from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
 from gateway.core.router import Router
 from gateway.sources.actions import SUCCEEDED, GoalRequest
-from gateway.sources.source import Request
+from gateway.sources.services import Request
 from schemas.table import Table
 from tests.fuzz import types
 from tests.fuzz.target import check

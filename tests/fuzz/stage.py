@@ -12,7 +12,7 @@ from concurrent.futures import Future
 from typing import Any, TypeVar
 
 from gateway.sources.actions import SUCCEEDED, GoalRequest
-from gateway.sources.source import Request
+from gateway.sources.services import Request
 from tests.client import TIMEOUT_S
 from tests.e2e.test_rough_disconnects import at_rest, health, left_behind
 from tests.fuzz import types

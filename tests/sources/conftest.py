@@ -2,9 +2,10 @@
 """ROS for tests, real and fake, each with the world around it."""
 
 import contextlib
-from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from types import SimpleNamespace
+from typing import Any, Final, NamedTuple, Protocol, TypeVar, cast
 
 import pytest
 
@@ -12,10 +13,12 @@ from gateway.sources.actions import ActionClient, GoalRequest
 from gateway.sources.rclpy import RosOptions, open_ros
 from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.port import RclpyRos
-from gateway.sources.source import Publisher, Qos, Request, Ros, Sample, ServiceClient
+from gateway.sources.services import Request, ServiceClient
+from gateway.sources.source import Publisher, Qos, Ros, Sample
 from schemas.installed import InstalledDefinitions
 from tests.sources.fake import FakeRos
 from tests.sources.outside import Outside
+from tests.sources.replayed import Recorded, ReplaySource
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -72,6 +75,20 @@ class World(Protocol):
     ) -> Any: ...
 
 
+class Recorder(NamedTuple):
+    """The world of a recording, which only publishes."""
+
+    source: ReplaySource
+
+    def add_publisher(self, topic: str, type_name: str, _: Qos | None = None) -> Any:
+        self.source.types[topic] = (type_name,)
+
+        def publish(cdr: bytes) -> None:
+            self.source.deliver(Recorded(0, topic, type_name, cdr))
+
+        return SimpleNamespace(publish=publish)
+
+
 @dataclass(frozen=True)
 class Robot:
     """The port under test and the world around it."""
@@ -92,11 +109,38 @@ def outside() -> Iterator[Outside]:
     outside.close()
 
 
-@pytest.fixture(params=["fake", "eventfd", "wait_set", "made"])
+PARTS: Final = ("publishing", "services", "actions", "diagnosis")
+SOURCES: Final[Mapping[str, Sequence[str]]] = {
+    **dict.fromkeys(("fake", "eventfd", "wait_set", "made"), PARTS),
+    "replayed": (),
+}
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Try each source that has the `parts` that a test needs: all of them, unless it says so."""
+    if "robot" in metafunc.fixturenames:
+        marker = metafunc.definition.get_closest_marker("parts")
+        needed = set(PARTS if marker is None else marker.args)
+        able = [name for name, parts in SOURCES.items() if needed <= set(parts)]
+        metafunc.parametrize("robot", able, indirect=True)
+
+
+@pytest.fixture
 async def robot(request: pytest.FixtureRequest) -> AsyncIterator[Robot]:
+    async with contextlib.asynccontextmanager(_open_robot)(request) as robot:
+        parts = tuple(part for part in PARTS if getattr(robot.ros, part) is not None)
+        assert parts == SOURCES[request.param]
+        yield robot
+
+
+async def _open_robot(request: pytest.FixtureRequest) -> AsyncIterator[Robot]:
     if request.param == "fake":
         fake = FakeRos()
         yield Robot(fake, fake)
+        return
+    if request.param == "replayed":
+        replayed = ReplaySource({})
+        yield Robot(cast("Ros", replayed), cast("World", Recorder(replayed)))
         return
     outside = request.getfixturevalue("outside")
     if request.param == "made":

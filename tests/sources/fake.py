@@ -7,13 +7,14 @@ what the real one does.
 
 import asyncio
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, Self
 
 from gateway.codec.types import Types
 from gateway.faults import Fault
 from gateway.sources.actions import GoalRequest
+from gateway.sources.guard import Guard
 from gateway.sources.rclpy.name_checks import (
     TypeKind,
     check_action,
@@ -31,13 +32,13 @@ from gateway.sources.rclpy.qos import (
     unmatched_publishers,
     unmatched_subscribers,
 )
+from gateway.sources.services import Request
 from gateway.sources.source import (
     MAX_TAKES_PER_TURN,
     Graph,
     LogLevel,
     Origin,
     Qos,
-    Request,
     RosError,
     Sample,
     ServerInfo,
@@ -45,10 +46,12 @@ from gateway.sources.source import (
     TopicInfo,
     TypeHolder,
 )
+from schemas.definition import Definition
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.type_hash import type_hash
 from tests.sources.fake_actions import FakeActionClient, FakeActionServer
+from tests.sources.fake_guard import FakeGuard
 from tests.sources.fake_services import FakeClient, FakeService
 
 _MAX_RETAINED: Final = 1024
@@ -239,7 +242,9 @@ class FakeRos:
         prefix: str = "ros2_gateway",
         options: RosOptions | None = None,
         types: Types | None = None,
+        guard: Guard | None = None,
     ) -> None:
+        self.guard = guard or FakeGuard()
         self.loop = asyncio.get_running_loop()
         self.prefix = prefix
         self.options = options or RosOptions()
@@ -249,7 +254,7 @@ class FakeRos:
         self.publishers: list[FakePublisher] = []
         self.subscriptions: list[FakeSubscription] = []
         self.clients: list[FakeClient] = []
-        self.services: list[FakeService] = []
+        self.service_servers: list[FakeService] = []
         self.action_clients: list[FakeActionClient] = []
         self.action_servers: list[FakeActionServer] = []
         self.watches: list[FakeWatch] = []
@@ -257,11 +262,18 @@ class FakeRos:
         self.logged: list[tuple[LogLevel, str]] = []
         self.found: list[Fault] = []
         self.shared: tuple[str, ...] = ()
+        self.carried: dict[str, Mapping[str, Definition]] = {}
         self.hashes: dict[str, str] = {}  # of types that are not installed
         self._types = types or Types(InstalledDefinitions(folders=[SHIPPED]))
         self._is_changing = False
 
     # The port
+
+    @property
+    def publishing(self) -> Self:
+        return self
+
+    services = actions = diagnosis = publishing
 
     @property
     def distro(self) -> str:
@@ -307,15 +319,15 @@ class FakeRos:
 
     def client(self, service: str, type_name: str) -> FakeClient:
         check_service(service)
-        self._check_new(service, type_name, "srv", [*self.clients, *self.services])
+        self._check_new(service, type_name, "srv", [*self.clients, *self.service_servers])
         return self.add_client(service, type_name, f"/{self.prefix}_services")
 
     def serve(
         self, service: str, type_name: str, on_request: Callable[[Request], None]
     ) -> FakeService:
         check_service(service)
-        self._check_new(service, type_name, "srv", [*self.clients, *self.services])
-        if any(each.name == service for each in self.services if self.is_own(each.node)):
+        self._check_new(service, type_name, "srv", [*self.clients, *self.service_servers])
+        if any(each.name == service for each in self.service_servers if self.is_own(each.node)):
             raise RosError("limit_exceeded", f"service {service} is provided here already")
         return self.add_service(service, type_name, on_request, f"/{self.prefix}_services")
 
@@ -337,6 +349,9 @@ class FakeRos:
             raise RosError("limit_exceeded", f"action {action} is provided here already")
         node = f"/{self.prefix}_services"
         return self.add_action_server(action, type_name, on_goal, on_cancel, node=node)
+
+    async def definitions(self, type_name: str) -> Mapping[str, Definition] | None:
+        return self.carried.get(type_name)
 
     async def make_types(self) -> None:
         """Do nothing: here any type will do."""
@@ -365,7 +380,7 @@ class FakeRos:
         return tuple(sorted({e.type_name for e in publishers or others or subscriptions}))
 
     def service_types(self, service: str) -> tuple[str, ...]:
-        return tuple(sorted({s.type_name for s in self.services if s.name == service}))
+        return tuple(sorted({s.type_name for s in self.service_servers if s.name == service}))
 
     def action_types(self, action: str) -> tuple[str, ...]:
         return tuple(sorted({s.type_name for s in self.action_servers if s.name == action}))
@@ -387,7 +402,7 @@ class FakeRos:
         return Graph(
             tuple(topics),
             tuple(sorted(nodes)),
-            _provided(self.services),
+            _provided(self.service_servers),
             _provided(self.action_servers),
         )
 
@@ -469,7 +484,7 @@ class FakeRos:
     ) -> FakeService:
         """Add a server of a service. Closing it lets it vanish."""
         service = FakeService(self, name, type_name, on_request, node)
-        self.services.append(service)
+        self.service_servers.append(service)
         self.changed()
         return service
 
@@ -520,7 +535,7 @@ class FakeRos:
             self.loop.call_soon(self._tell)
 
     def _calling(self) -> "list[Caller | Server]":
-        calling: list[Caller | Server] = [*self.clients, *self.services]
+        calling: list[Caller | Server] = [*self.clients, *self.service_servers]
         return [*calling, *self.action_clients, *self.action_servers]
 
     def _tell(self) -> None:

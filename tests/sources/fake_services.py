@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from gateway.sources.source import Request, RosError
+from gateway.sources.services import Request
+from gateway.sources.source import RosError
 
 if TYPE_CHECKING:
     from tests.sources.fake import FakeRos
@@ -25,18 +26,18 @@ class FakeService:
 
     def close(self) -> None:
         """End it. The gateway's own delivers what has arrived, one outside just vanishes."""
-        if self not in self.ros.services or self.is_closing:
+        if self not in self.ros.service_servers or self.is_closing:
             return
         self.is_closing = True
         if self.ros.is_own(self.node):
             for call in [call for client in self.ros.clients for call in client.calls]:
                 if call.server is self:
                     self.arrive(call)
-        self.ros.services.remove(self)
+        self.ros.service_servers.remove(self)
         self.ros.changed()
 
     def arrive(self, call: "FakeCall") -> None:
-        if self in self.ros.services and not call.has_arrived:
+        if self in self.ros.service_servers and not call.has_arrived:
             call.has_arrived = True
             self.on_request(FakeRequest(self, call))
 
@@ -68,7 +69,7 @@ class FakeRequest:
         return self.call.request
 
     def answer(self, response: bytes) -> None:
-        if not self.is_answered and self.server in self.server.ros.services:
+        if not self.is_answered and self.server in self.server.ros.service_servers:
             self.is_answered = True
             self.server.ros.loop.call_soon(self.call.respond, response)
 
@@ -99,7 +100,7 @@ class FakeClient:
 
     def follow(self) -> None:
         """Send what waits for a server. Fail what has lost it, or this client."""
-        servers = [s for s in self.ros.services if (s.name, s.type_name) == self._matching]
+        servers = [s for s in self.ros.service_servers if (s.name, s.type_name) == self._matching]
         for call in self.calls:
             if call.response.done():
                 continue
@@ -109,7 +110,7 @@ class FakeClient:
             elif call.server is None and servers:
                 call.server = servers[0]
                 self.ros.loop.call_soon(call.server.arrive, call)
-            elif call.server is not None and call.server not in self.ros.services:
+            elif call.server is not None and call.server not in self.ros.service_servers:
                 # in a separate turn: an answer that was given before is on its way
                 self.ros.loop.call_soon(_fail, call.response, f"service {self.name} has gone")
 

@@ -12,7 +12,8 @@ from gateway.sources.rclpy.executor import ExecutorThread
 from gateway.sources.rclpy.interfaces import message_class
 from gateway.sources.rclpy.profile import to_profile
 from gateway.sources.rclpy.qos import adopt, complete_offer
-from gateway.sources.source import Qos, Request, Sample
+from gateway.sources.services import Request
+from gateway.sources.source import Qos, Sample
 from tests.sources.nodes import open_node
 from tests.sources.outside_actions import (
     ACTION_SERVICES,

@@ -13,7 +13,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.task import Future
 
 from gateway.sources.rclpy.interfaces import service_class
-from gateway.sources.source import Request
+from gateway.sources.services import Request
 
 KNOWN_S = 3  # a client that has gone is no longer waited for
 

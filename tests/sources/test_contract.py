@@ -13,7 +13,6 @@ import pytest
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.sources.rclpy import RosOptions, open_ros
 from gateway.sources.source import (
-    MAX_TAKES_PER_TURN,
     Publisher,
     Qos,
     Ros,
@@ -24,6 +23,8 @@ from gateway.sources.source import (
 from tests.client import eventually, eventually_equal
 from tests.sources.conftest import Robot
 from tests.sources.fake import FakeRos
+
+pytestmark = pytest.mark.parts("publishing", "diagnosis")
 
 STRING = "std_msgs/msg/String"
 INT32 = "std_msgs/msg/Int32"
@@ -71,7 +72,7 @@ def subscribe(robot: Robot, topic: str, type_name: str = INT32, qos: Qos | None 
 
 def advertise(robot: Robot, topic: str, qos: Qos) -> tuple[list[TopicEvent], Publisher]:
     reasons: list[TopicEvent] = []
-    return reasons, robot.ros.advertise(topic, INT32, qos, reasons.append)
+    return reasons, robot.ros.publishing.advertise(topic, INT32, qos, reasons.append)
 
 
 async def until_it_flows(publisher: Publisher, received: Received, first: int = 1_000_000) -> None:
@@ -86,36 +87,7 @@ async def until_it_flows(publisher: Publisher, received: Received, first: int = 
 
 
 async def test_nothing_is_wrong_with_ros_that_runs(robot: Robot) -> None:
-    assert list(robot.ros.faults()) == []
-
-
-async def test_samples_of_an_outside_publisher_arrive_in_order_and_unchanged(robot: Robot) -> None:
-    received, _ = subscribe(robot, "/count")
-    publisher = robot.world.add_publisher("/count", INT32)
-    await until_it_flows(publisher, received)
-    for value in range(20):
-        publisher.publish(number(value))
-    await eventually(lambda: number(19) in received.cdrs)
-    assert received.cdrs[-20:] == [number(value) for value in range(20)]
-
-
-async def test_a_sample_has_the_time_of_its_reception(robot: Robot) -> None:
-    received, _ = subscribe(robot, "/count")
-    before = robot.ros.now_ns()
-    await until_it_flows(robot.world.add_publisher("/count", INT32), received)
-    after = robot.ros.now_ns()
-    assert before <= received.batches[0][0].received_ns <= after
-
-
-async def test_a_batch_is_never_empty_nor_larger_than_a_turn_may_take(robot: Robot) -> None:
-    received, _ = subscribe(robot, "/count", qos=Qos(depth=500))
-    publisher = robot.world.add_publisher("/count", INT32, Qos(depth=500))
-    await until_it_flows(publisher, received)
-    for value in range(200):
-        publisher.publish(number(value))
-    await eventually(lambda: number(199) in received.cdrs)
-    assert received.cdrs[-200:] == [number(value) for value in range(200)]
-    assert all(1 <= len(batch) <= MAX_TAKES_PER_TURN for batch in received.batches)
+    assert list(robot.ros.diagnosis.faults()) == []
 
 
 async def test_the_newest_samples_win_when_the_loop_falls_behind(robot: Robot) -> None:
@@ -156,27 +128,17 @@ async def test_nothing_is_lost_of_a_burst_that_fits(robot: Robot) -> None:
 async def test_a_published_message_reaches_an_outside_subscription(robot: Robot) -> None:
     received = Received()
     robot.world.add_subscription("/command", INT32, received.on_samples)
-    await until_it_flows(robot.ros.advertise("/command", INT32, Qos(), lambda _: None), received)
+    await until_it_flows(
+        robot.ros.publishing.advertise("/command", INT32, Qos(), lambda _: None), received
+    )
     assert int.from_bytes(received.cdrs[0][4:], "little") >= 1_000_000
 
 
 async def test_the_gateway_hears_itself(robot: Robot) -> None:
     received, _ = subscribe(robot, "/echo")
-    await until_it_flows(robot.ros.advertise("/echo", INT32, Qos(), lambda _: None), received)
-
-
-async def test_no_sample_comes_after_close(robot: Robot) -> None:
-    received, subscription = subscribe(robot, "/count")
-    others, _ = subscribe(robot, "/count")
-    publisher = robot.world.add_publisher("/count", INT32)
-    await until_it_flows(publisher, received)
-    await until_it_flows(publisher, others)
-    publisher.publish(number(1))
-    subscription.close()
-    seen = len(received.cdrs)
-    publisher.publish(number(2))
-    await eventually(lambda: number(2) in others.cdrs)
-    assert len(received.cdrs) == seen
+    await until_it_flows(
+        robot.ros.publishing.advertise("/echo", INT32, Qos(), lambda _: None), received
+    )
 
 
 async def test_a_subscription_may_be_closed_by_its_own_callback(robot: Robot) -> None:
@@ -195,75 +157,77 @@ async def test_a_subscription_may_be_closed_by_its_own_callback(robot: Robot) ->
         return bool(seen) and len(others.cdrs) > len(seen)
 
     await eventually(is_over)
-    assert robot.ros.entity_count() == 1
+    assert robot.ros.diagnosis.entity_count() == 1
 
 
 async def test_messages_of_the_gateway_itself_arrive_and_count_as_no_entity(robot: Robot):
     received, _ = subscribe(robot, "/self")
-    count = robot.ros.entity_count()
-    publisher = robot.ros.advertise_own("/self", INT32, Qos())
+    count = robot.ros.diagnosis.entity_count()
+    publisher = robot.ros.publishing.advertise_own("/self", INT32, Qos())
     await until_it_flows(publisher, received)
-    assert robot.ros.entity_count() == count
+    assert robot.ros.diagnosis.entity_count() == count
     with pytest.raises(RosError) as error:
-        robot.ros.advertise("/self", STRING, Qos(), lambda _: None)
+        robot.ros.publishing.advertise("/self", STRING, Qos(), lambda _: None)
     assert error.value.code == "type_conflict"
     with pytest.raises(RosError):
-        robot.ros.advertise_own("/self", STRING, Qos())
+        robot.ros.publishing.advertise_own("/self", STRING, Qos())
     publisher.close()
     publisher.close()
 
 
 async def test_closing_twice_is_harmless(robot: Robot) -> None:
     _, subscription = subscribe(robot, "/count")
-    publisher = robot.ros.advertise("/count", INT32, Qos(), lambda _: None)
+    publisher = robot.ros.publishing.advertise("/count", INT32, Qos(), lambda _: None)
     watch = robot.ros.watch_graph(lambda: None)
     for each in (subscription, publisher, watch):
         each.close()
         each.close()
-    assert robot.ros.entity_count() == 0
+    assert robot.ros.diagnosis.entity_count() == 0
 
 
 async def test_entities_are_counted_by_handle(robot: Robot) -> None:
     _, subscription = subscribe(robot, "/count")
-    publishers = [robot.ros.advertise("/count", INT32, Qos(), lambda _: None) for _ in range(2)]
-    assert robot.ros.entity_count() == 3
+    publishers = [
+        robot.ros.publishing.advertise("/count", INT32, Qos(), lambda _: None) for _ in range(2)
+    ]
+    assert robot.ros.diagnosis.entity_count() == 3
     publishers[0].close()
-    assert robot.ros.entity_count() == 2
+    assert robot.ros.diagnosis.entity_count() == 2
     received, _ = subscribe(robot, "/count")
     await until_it_flows(publishers[1], received)  # the other handle did not take it along
     subscription.close()
     publishers[1].close()
-    assert robot.ros.entity_count() == 1
+    assert robot.ros.diagnosis.entity_count() == 1
 
 
 @pytest.mark.parametrize("topic", BAD_NAMES)
 async def test_a_name_that_is_not_fully_qualified_is_bad(robot: Robot, topic: str) -> None:
     for attempt in (
         lambda: subscribe(robot, topic),
-        lambda: robot.ros.advertise(topic, INT32, Qos(), lambda _: None),
+        lambda: robot.ros.publishing.advertise(topic, INT32, Qos(), lambda _: None),
     ):
         with pytest.raises(RosError) as caught:
             attempt()
         assert caught.value.code == "bad_name"
-    assert robot.ros.entity_count() == 0
+    assert robot.ros.diagnosis.entity_count() == 0
 
 
 @pytest.mark.parametrize("type_name", BAD_TYPES)
 async def test_a_type_without_a_ros_package_is_bad(robot: Robot, type_name: str) -> None:
     for attempt in (
         lambda: subscribe(robot, "/count", type_name),
-        lambda: robot.ros.advertise("/count", type_name, Qos(), lambda _: None),
+        lambda: robot.ros.publishing.advertise("/count", type_name, Qos(), lambda _: None),
     ):
         with pytest.raises(RosError) as caught:
             attempt()
         assert caught.value.code == "bad_type"
-    assert robot.ros.entity_count() == 0
+    assert robot.ros.diagnosis.entity_count() == 0
 
 
 async def test_a_topic_is_open_with_one_type_at_a_time(robot: Robot) -> None:
     _, subscription = subscribe(robot, "/count", INT32)
     with pytest.raises(RosError, match="open here as std_msgs/msg/Int32") as caught:
-        robot.ros.advertise("/count", STRING, Qos(), lambda _: None)
+        robot.ros.publishing.advertise("/count", STRING, Qos(), lambda _: None)
     assert caught.value.code == "type_conflict"
     with pytest.raises(RosError, match="open here as std_msgs/msg/Int32"):
         subscribe(robot, "/count", STRING)
@@ -346,10 +310,12 @@ async def test_a_subscriber_in_the_place_of_another_has_another_id(robot: Robot)
     for _ in range(2):
         subscription = robot.world.add_subscription("/count", INT32, lambda _: None)
         await eventually(lambda: publisher.new_matches() == 1)
-        found.append(robot.ros.readers("/count"))  # at once: the graph need not have reported it
+        found.append(
+            robot.ros.publishing.readers("/count")
+        )  # at once: the graph need not have reported it
         assert [len(each) for each in found] == [1] * len(found)
         robot.world.remove_subscription(subscription)
-        await eventually(lambda: robot.ros.readers("/count") == frozenset())
+        await eventually(lambda: robot.ros.publishing.readers("/count") == frozenset())
     assert found[0] != found[1]
     assert publisher.new_matches() == 0
 
@@ -358,7 +324,7 @@ async def test_the_gateways_own_subscriptions_are_nobody_who_joins(robot: Robot)
     _, publisher = advertise(robot, "/count", Qos())
     subscribe(robot, "/count")
     await eventually(lambda: publisher.new_matches() == 1)
-    assert robot.ros.readers("/count") == frozenset()
+    assert robot.ros.publishing.readers("/count") == frozenset()
 
 
 async def test_no_subscription_is_told_of_after_close(robot: Robot) -> None:
@@ -372,9 +338,9 @@ async def test_no_subscription_is_told_of_after_close(robot: Robot) -> None:
 
 async def test_latched_publishers_keep_what_each_of_them_said_last(robot: Robot) -> None:
     for value in (1, 2):
-        robot.ros.advertise("/map", INT32, replace(LATCHED, depth=1), lambda _: None).publish(
-            number(value)
-        )
+        robot.ros.publishing.advertise(
+            "/map", INT32, replace(LATCHED, depth=1), lambda _: None
+        ).publish(number(value))
     late: list[Sample] = []
     robot.world.add_subscription("/map", INT32, late.extend, LATCHED)
     await eventually(lambda: sorted(each.cdr for each in late) == [number(1), number(2)])
@@ -593,14 +559,14 @@ async def test_the_types_of_a_topic_appear_and_vanish_with_it(robot: Robot) -> N
 async def test_the_type_of_an_own_new_publisher_is_known_at_once(robot: Robot) -> None:
     robot.world.add_subscription("/count", INT32, lambda _: None)
     await eventually(lambda: robot.ros.topic_types("/count") == (INT32,))
-    robot.ros.advertise("/count", STRING, Qos(), lambda _: None)
+    robot.ros.publishing.advertise("/count", STRING, Qos(), lambda _: None)
     assert robot.ros.topic_types("/count") == (STRING,)
 
 
 async def test_the_graph_lists_endpoints_by_node_our_own_included(robot: Robot) -> None:
     robot.world.add_publisher("/count", INT32)
     robot.world.add_publisher("/count", INT32)
-    robot.ros.advertise("/count", INT32, Qos(), lambda _: None)
+    robot.ros.publishing.advertise("/count", INT32, Qos(), lambda _: None)
     subscribe(robot, "/count")
     publishing = ("/outside", "/outside", "/ros2_gateway_publishers")
     await eventually_equal(lambda: nodes_publishing(robot, "/count"), publishing)
@@ -648,7 +614,7 @@ async def test_changes_close_together_are_one_call(robot: Robot) -> None:
     await eventually_equal(lambda: nodes_publishing(robot, "/first"), ("/outside",))
     robot.ros.watch_graph(lambda: calls.append(len(robot.ros.graph().topics)))
     for index in range(20):
-        robot.ros.advertise(f"/of_ours/n{index}", INT32, Qos(), lambda _: None)
+        robot.ros.publishing.advertise(f"/of_ours/n{index}", INT32, Qos(), lambda _: None)
     await eventually(lambda: len(nodes_publishing(robot, "/of_ours/n19")) == 1)
     await eventually(lambda: bool(calls))
     assert len(calls) < 20
@@ -665,20 +631,26 @@ async def test_some_entities_are_kept_for_publishers_of_reserved_topics(kind: st
         ros: Ros = FakeRos(options=options)
         if kind == "real":
             ros = await stack.enter_async_context(open_ros(options))
-        others = [ros.advertise(f"/t{number}", INT32, Qos(), lambda _: None) for number in range(6)]
+        others = [
+            ros.publishing.advertise(f"/t{number}", INT32, Qos(), lambda _: None)
+            for number in range(6)
+        ]
         text = "at most 8 ROS entities, of which 2 are kept for command topics"
         attempts: list[Callable[[], object]] = [
-            lambda: ros.advertise("/more", INT32, Qos(), lambda _: None),
+            lambda: ros.publishing.advertise("/more", INT32, Qos(), lambda _: None),
             lambda: ros.subscribe("/drive", INT32, Qos(), print, print),
-            lambda: ros.client("/drive", "std_srvs/srv/Trigger"),
+            lambda: ros.services.client("/drive", "std_srvs/srv/Trigger"),
         ]
         for attempt in attempts:
             with pytest.raises(RosError, match=text) as caught:
                 attempt()
             assert caught.value.code == "limit_exceeded"
-        kept = [ros.advertise(topic, INT32, Qos(), lambda _: None) for topic in ("/drive", "/arm")]
+        kept = [
+            ros.publishing.advertise(topic, INT32, Qos(), lambda _: None)
+            for topic in ("/drive", "/arm")
+        ]
         with pytest.raises(RosError, match="at most 8 ROS entities"):
-            ros.advertise("/drive", INT32, Qos(), lambda _: None)
+            ros.publishing.advertise("/drive", INT32, Qos(), lambda _: None)
         for each in (*others, *kept):
             each.close()
 
@@ -686,4 +658,4 @@ async def test_some_entities_are_kept_for_publishers_of_reserved_topics(kind: st
 async def test_nodes_of_different_names_share_none(robot: Robot) -> None:
     robot.world.add_publisher("/anything", INT32)
     await eventually(lambda: "/outside" in robot.ros.graph().nodes)
-    assert robot.ros.shared_names() == ()
+    assert robot.ros.diagnosis.shared_names() == ()

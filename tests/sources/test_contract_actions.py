@@ -14,6 +14,8 @@ from tests.client import TIMEOUT_S, eventually, eventually_equal
 from tests.sources.conftest import Robot
 from tests.sources.test_contract import BAD_NAMES
 
+pytestmark = pytest.mark.parts("actions")
+
 FIBONACCI = "test_msgs/action/Fibonacci"
 NESTED = "test_msgs/action/NestedMessage"
 BAD_TYPES = [
@@ -77,11 +79,11 @@ class Both:
         self.provider = Provider()
         callbacks = self.provider.callbacks
         if provides:
-            self.server: Any = robot.ros.serve_action("/dock", FIBONACCI, *callbacks)
+            self.server: Any = robot.ros.actions.serve_action("/dock", FIBONACCI, *callbacks)
             self.client: Any = robot.world.add_action_client("/dock", FIBONACCI)
         else:
             self.server = robot.world.add_action_server("/dock", FIBONACCI, *callbacks)
-            self.client = robot.ros.action_client("/dock", FIBONACCI)
+            self.client = robot.ros.actions.action_client("/dock", FIBONACCI)
 
     async def started(self, order: int = 3, on_feedback: Any = ignore) -> tuple[Any, GoalRequest]:
         count = len(self.provider.goals)
@@ -197,8 +199,8 @@ async def test_feedback_from_within_the_acceptance_is_not_lost(robot: Robot) -> 
         request.finish(SUCCEEDED, sequence(2))
 
     feedback: list[bytes] = []
-    robot.ros.serve_action("/dock", FIBONACCI, on_goal, ignore)
-    client = robot.ros.action_client("/dock", FIBONACCI)
+    robot.ros.actions.serve_action("/dock", FIBONACCI, on_goal, ignore)
+    client = robot.ros.actions.action_client("/dock", FIBONACCI)
     accepted = await soon(client.send_goal(goal(3), feedback.append))
     assert values_of((await soon(accepted.result())).cdr) == [2]
     assert [values_of(each) for each in feedback] == [[1]]
@@ -225,13 +227,13 @@ async def test_a_rejected_goal_does_not_exist(robot: Robot) -> None:
     robot.world.add_action_server(
         "/dock", FIBONACCI, *provider.callbacks, accepts=lambda cdr: order_of(cdr) < 10
     )
-    client = robot.ros.action_client("/dock", FIBONACCI)
+    client = robot.ros.actions.action_client("/dock", FIBONACCI)
     assert await soon(client.send_goal(goal(10), ignore)) is None
     assert await soon(client.send_goal(goal(9), ignore)) is not None
 
 
 async def test_a_goal_waits_for_its_server(robot: Robot) -> None:
-    client = robot.ros.action_client("/dock", FIBONACCI)
+    client = robot.ros.actions.action_client("/dock", FIBONACCI)
     sending = asyncio.ensure_future(client.send_goal(goal(3), ignore))
     await asyncio.sleep(0)
     provider = Provider()
@@ -252,7 +254,7 @@ async def test_closing_a_client_fails_what_it_waits_for(robot: Robot) -> None:
     both = Both(robot, provides=False)
     accepted, _ = await both.started()
     result = asyncio.ensure_future(accepted.result())
-    waiting = robot.ros.action_client("/nobody", FIBONACCI)
+    waiting = robot.ros.actions.action_client("/nobody", FIBONACCI)
     sending = asyncio.ensure_future(waiting.send_goal(goal(3), ignore))
     await asyncio.sleep(0)
     both.client.close()
@@ -273,7 +275,7 @@ async def test_a_goal_that_nobody_waits_for_is_cancelled_when_it_is_accepted(
     robot: Robot, closes: bool, turns: int
 ) -> None:
     both = Both(robot, provides=True)
-    client = robot.ros.action_client("/dock", FIBONACCI)
+    client = robot.ros.actions.action_client("/dock", FIBONACCI)
     sending = asyncio.ensure_future(client.send_goal(goal(3), ignore))
     await eventually_within_a_turn(lambda: bool(both.provider.goals) or sending.done())
     for _ in range(turns):
@@ -318,19 +320,19 @@ async def test_closing_an_action_aborts_its_goals(robot: Robot) -> None:
 
 
 async def test_closing_twice_is_harmless(robot: Robot) -> None:
-    client = robot.ros.action_client("/dock", FIBONACCI)
-    server = robot.ros.serve_action("/dock", FIBONACCI, ignore, ignore)
-    assert robot.ros.entity_count() == 2
+    client = robot.ros.actions.action_client("/dock", FIBONACCI)
+    server = robot.ros.actions.serve_action("/dock", FIBONACCI, ignore, ignore)
+    assert robot.ros.diagnosis.entity_count() == 2
     for each in (client, server):
         each.close()
         each.close()
-    assert robot.ros.entity_count() == 0
+    assert robot.ros.diagnosis.entity_count() == 0
 
 
 def attempts(robot: Robot, name: str, type_name: str) -> list[Callable[[], object]]:
     return [
-        lambda: robot.ros.action_client(name, type_name),
-        lambda: robot.ros.serve_action(name, type_name, ignore, ignore),
+        lambda: robot.ros.actions.action_client(name, type_name),
+        lambda: robot.ros.actions.serve_action(name, type_name, ignore, ignore),
     ]
 
 
@@ -340,7 +342,7 @@ async def test_a_name_that_is_not_fully_qualified_is_bad(robot: Robot, name: str
         with pytest.raises(RosError) as caught:
             attempt()
         assert caught.value.code == "bad_name"
-    assert robot.ros.entity_count() == 0
+    assert robot.ros.diagnosis.entity_count() == 0
 
 
 @pytest.mark.parametrize("type_name", BAD_TYPES)
@@ -349,20 +351,20 @@ async def test_a_type_without_a_ros_package_is_bad(robot: Robot, type_name: str)
         with pytest.raises(RosError) as caught:
             attempt()
         assert caught.value.code == "bad_type"
-    assert robot.ros.entity_count() == 0
+    assert robot.ros.diagnosis.entity_count() == 0
 
 
 async def test_an_action_is_provided_once(robot: Robot) -> None:
-    server = robot.ros.serve_action("/dock", FIBONACCI, ignore, ignore)
+    server = robot.ros.actions.serve_action("/dock", FIBONACCI, ignore, ignore)
     with pytest.raises(RosError, match="action /dock is provided here already") as caught:
-        robot.ros.serve_action("/dock", FIBONACCI, ignore, ignore)
+        robot.ros.actions.serve_action("/dock", FIBONACCI, ignore, ignore)
     assert caught.value.code == "limit_exceeded"
     server.close()
-    robot.ros.serve_action("/dock", FIBONACCI, ignore, ignore)
+    robot.ros.actions.serve_action("/dock", FIBONACCI, ignore, ignore)
 
 
 async def test_an_action_is_open_with_one_type_at_a_time(robot: Robot) -> None:
-    client = robot.ros.action_client("/dock", FIBONACCI)
+    client = robot.ros.actions.action_client("/dock", FIBONACCI)
     for attempt in attempts(robot, "/dock", NESTED):
         with pytest.raises(RosError, match=f"action /dock is open here as {FIBONACCI}") as caught:
             attempt()
@@ -374,7 +376,7 @@ async def test_an_action_is_open_with_one_type_at_a_time(robot: Robot) -> None:
 def opens(robot: Robot, type_name: str) -> bool:
     """Try once: an executor that waits for a reader lets DDS destroy it a moment later."""
     try:
-        robot.ros.action_client("/dock", type_name)
+        robot.ros.actions.action_client("/dock", type_name)
     except RosError:
         return False
     return True
@@ -386,7 +388,7 @@ async def test_the_types_of_an_action_appear_and_vanish_with_it(robot: Robot) ->
     await eventually(lambda: robot.ros.action_types("/dock") == (FIBONACCI,))
     outside.close()
     await eventually(lambda: robot.ros.action_types("/dock") == ())
-    own = robot.ros.serve_action("/dock", NESTED, ignore, ignore)
+    own = robot.ros.actions.serve_action("/dock", NESTED, ignore, ignore)
     await eventually(lambda: robot.ros.action_types("/dock") == (NESTED,))
     own.close()
     await eventually(lambda: robot.ros.action_types("/dock") == ())
@@ -394,8 +396,8 @@ async def test_the_types_of_an_action_appear_and_vanish_with_it(robot: Robot) ->
 
 async def test_the_graph_lists_actions_and_not_what_they_are_made_of(robot: Robot) -> None:
     robot.world.add_action_server("/dock", FIBONACCI, ignore, ignore)
-    robot.ros.serve_action("/own", NESTED, ignore, ignore)
-    robot.ros.action_client("/nobody", NESTED)
+    robot.ros.actions.serve_action("/own", NESTED, ignore, ignore)
+    robot.ros.actions.action_client("/nobody", NESTED)
 
     def found() -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:
         return {a.name: (a.types, a.nodes) for a in robot.ros.graph().actions}

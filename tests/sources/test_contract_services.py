@@ -8,10 +8,13 @@ from typing import Any
 
 import pytest
 
-from gateway.sources.source import Request, RosError, ServiceClient
+from gateway.sources.services import Request, ServiceClient
+from gateway.sources.source import RosError
 from tests.client import TIMEOUT_S, eventually, eventually_equal
 from tests.sources.conftest import Robot
 from tests.sources.test_contract import BAD_NAMES
+
+pytestmark = pytest.mark.parts("services")
 
 RETRY_S = 2  # much longer than an answer takes
 SET_BOOL = "std_srvs/srv/SetBool"
@@ -59,25 +62,25 @@ async def answered(client: ServiceClient, cdr: bytes) -> bytes:
 
 async def test_a_call_reaches_an_outside_server_and_its_answer_comes_back(robot: Robot) -> None:
     robot.world.add_service("/arm", SET_BOOL, echo)
-    client = robot.ros.client("/arm", SET_BOOL)
+    client = robot.ros.services.client("/arm", SET_BOOL)
     assert text_of(await soon(client.call(request(True)))) == "got True"
     assert text_of(await soon(client.call(request(False)))) == "got False"
 
 
 async def test_an_outside_call_reaches_a_provided_service(robot: Robot) -> None:
-    robot.ros.serve("/arm", SET_BOOL, echo)
+    robot.ros.services.serve("/arm", SET_BOOL, echo)
     client = robot.world.add_client("/arm", SET_BOOL)
     assert text_of(await soon(client.call(request(True)))) == "got True"
 
 
 async def test_the_gateway_may_call_what_it_provides(robot: Robot) -> None:
-    robot.ros.serve("/arm", SET_BOOL, echo)
-    client = robot.ros.client("/arm", SET_BOOL)
+    robot.ros.services.serve("/arm", SET_BOOL, echo)
+    client = robot.ros.services.client("/arm", SET_BOOL)
     assert text_of(await soon(client.call(request(True)))) == "got True"
 
 
 async def test_a_call_waits_for_its_server(robot: Robot) -> None:
-    client = robot.ros.client("/arm", SET_BOOL)
+    client = robot.ros.services.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
     await asyncio.sleep(0)
     assert not calling.done()
@@ -96,7 +99,7 @@ async def in_turn(client: Any, requests: list[Request]) -> list[asyncio.Future[b
 
 async def test_answers_may_come_in_another_order_than_requests(robot: Robot) -> None:
     requests: list[Request] = []
-    robot.ros.serve("/arm", SET_BOOL, requests.append)
+    robot.ros.services.serve("/arm", SET_BOOL, requests.append)
     client = robot.world.add_client("/arm", SET_BOOL)
     calls = await in_turn(client, requests)
     for index in (3, 0, 4, 1, 2):
@@ -107,7 +110,7 @@ async def test_answers_may_come_in_another_order_than_requests(robot: Robot) -> 
 async def test_answers_of_an_outside_server_may_come_in_another_order(robot: Robot) -> None:
     requests: list[Request] = []
     robot.world.add_service("/arm", SET_BOOL, requests.append)
-    client = robot.ros.client("/arm", SET_BOOL)
+    client = robot.ros.services.client("/arm", SET_BOOL)
     calls = await in_turn(client, requests)
     for index in (3, 0, 4, 1, 2):
         requests[index].answer(response(str(index)))
@@ -116,8 +119,11 @@ async def test_answers_of_an_outside_server_may_come_in_another_order(robot: Rob
 
 async def test_a_hundred_calls_at_once_are_all_answered(robot: Robot) -> None:
     robot.world.add_service("/out", SET_BOOL, echo)
-    robot.ros.serve("/own", SET_BOOL, echo)
-    clients = [robot.ros.client("/out", SET_BOOL), robot.world.add_client("/own", SET_BOOL)]
+    robot.ros.services.serve("/own", SET_BOOL, echo)
+    clients = [
+        robot.ros.services.client("/out", SET_BOOL),
+        robot.world.add_client("/own", SET_BOOL),
+    ]
     for client in clients:
         calls = [client.call(request(index % 2 == 0)) for index in range(100)]
         answers = await soon(asyncio.gather(*calls))
@@ -128,7 +134,7 @@ async def test_a_hundred_calls_at_once_are_all_answered(robot: Robot) -> None:
 async def test_a_server_that_vanishes_fails_the_call_it_had(robot: Robot) -> None:
     requests: list[Request] = []
     server = robot.world.add_service("/arm", SET_BOOL, requests.append)
-    client = robot.ros.client("/arm", SET_BOOL)
+    client = robot.ros.services.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: len(requests) == 1)
     server.close()
@@ -138,7 +144,7 @@ async def test_a_server_that_vanishes_fails_the_call_it_had(robot: Robot) -> Non
 
 
 async def test_a_client_calls_a_server_that_has_come_back(robot: Robot) -> None:
-    client = robot.ros.client("/arm", SET_BOOL)
+    client = robot.ros.services.client("/arm", SET_BOOL)
     for _ in range(2):
         server = robot.world.add_service("/arm", SET_BOOL, echo)
         assert text_of(await answered(client, request(True))) == "got True"
@@ -149,8 +155,8 @@ async def test_a_client_calls_a_server_that_has_come_back(robot: Robot) -> None:
 async def test_closing_a_client_fails_its_calls(robot: Robot) -> None:
     requests: list[Request] = []
     robot.world.add_service("/arm", SET_BOOL, requests.append)
-    client = robot.ros.client("/arm", SET_BOOL)
-    waiting = robot.ros.client("/leg", SET_BOOL)
+    client = robot.ros.services.client("/arm", SET_BOOL)
+    waiting = robot.ros.services.client("/leg", SET_BOOL)
     calls = [asyncio.ensure_future(each.call(request(True))) for each in (client, waiting)]
     await eventually(lambda: len(requests) == 1)
     client.close()
@@ -166,7 +172,7 @@ async def test_closing_a_client_fails_its_calls(robot: Robot) -> None:
 async def test_a_cancelled_call_is_forgotten(robot: Robot) -> None:
     requests: list[Request] = []
     robot.world.add_service("/arm", SET_BOOL, requests.append)
-    client = robot.ros.client("/arm", SET_BOOL)
+    client = robot.ros.services.client("/arm", SET_BOOL)
     first = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: len(requests) == 1)
     first.cancel()
@@ -183,7 +189,7 @@ async def test_a_request_is_answered_once(robot: Robot) -> None:
         each.answer(response("first"))
         each.answer(response("second"))
 
-    robot.ros.serve("/arm", SET_BOOL, answer_twice)
+    robot.ros.services.serve("/arm", SET_BOOL, answer_twice)
     client = robot.world.add_client("/arm", SET_BOOL)
     for _ in range(3):
         assert text_of(await soon(client.call(request(True)))) == "first"
@@ -191,8 +197,8 @@ async def test_a_request_is_answered_once(robot: Robot) -> None:
 
 async def test_an_answer_to_a_client_that_has_gone_goes_nowhere(robot: Robot) -> None:
     requests: list[Request] = []
-    robot.ros.serve("/arm", SET_BOOL, requests.append)
-    client = robot.ros.client("/arm", SET_BOOL)
+    robot.ros.services.serve("/arm", SET_BOOL, requests.append)
+    client = robot.ros.services.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: len(requests) == 1)
     client.close()
@@ -203,7 +209,7 @@ async def test_an_answer_to_a_client_that_has_gone_goes_nowhere(robot: Robot) ->
 
 async def test_an_answer_after_the_service_is_closed_goes_nowhere(robot: Robot) -> None:
     requests: list[Request] = []
-    service = robot.ros.serve("/arm", SET_BOOL, requests.append)
+    service = robot.ros.services.serve("/arm", SET_BOOL, requests.append)
     client = robot.world.add_client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: len(requests) == 1)
@@ -214,13 +220,13 @@ async def test_an_answer_after_the_service_is_closed_goes_nowhere(robot: Robot) 
 
 async def test_no_request_comes_after_close(robot: Robot) -> None:
     requests: list[Request] = []
-    service = robot.ros.serve("/arm", SET_BOOL, requests.append)
+    service = robot.ros.services.serve("/arm", SET_BOOL, requests.append)
     client = robot.world.add_client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: len(requests) == 1)
     calling.cancel()
     service.close()
-    robot.ros.serve("/arm", SET_BOOL, echo)
+    robot.ros.services.serve("/arm", SET_BOOL, echo)
     assert text_of(await answered(client, request(False))) == "got False"
     assert len(requests) == 1
 
@@ -242,7 +248,7 @@ async def answers_while_closing(robot: Robot, client: ServiceClient) -> int:
         each.answer(response("closing"))
         service.close()
 
-    service = robot.ros.serve("/arm", SET_BOOL, on_request)
+    service = robot.ros.services.serve("/arm", SET_BOOL, on_request)
     await eventually(lambda: robot.ros.service_types("/arm") == (SET_BOOL,))
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(50)]
     await eventually(lambda: bool(requests))
@@ -256,19 +262,19 @@ async def answers_while_closing(robot: Robot, client: ServiceClient) -> int:
 
 
 async def test_closing_twice_is_harmless(robot: Robot) -> None:
-    client = robot.ros.client("/arm", SET_BOOL)
-    service = robot.ros.serve("/arm", SET_BOOL, echo)
-    assert robot.ros.entity_count() == 2
+    client = robot.ros.services.client("/arm", SET_BOOL)
+    service = robot.ros.services.serve("/arm", SET_BOOL, echo)
+    assert robot.ros.diagnosis.entity_count() == 2
     for each in (client, service):
         each.close()
         each.close()
-    assert robot.ros.entity_count() == 0
+    assert robot.ros.diagnosis.entity_count() == 0
 
 
 def attempts(robot: Robot, name: str, type_name: str) -> list[Callable[[], object]]:
     return [
-        lambda: robot.ros.client(name, type_name),
-        lambda: robot.ros.serve(name, type_name, echo),
+        lambda: robot.ros.services.client(name, type_name),
+        lambda: robot.ros.services.serve(name, type_name, echo),
     ]
 
 
@@ -278,7 +284,7 @@ async def test_a_name_that_is_not_fully_qualified_is_bad(robot: Robot, name: str
         with pytest.raises(RosError) as caught:
             attempt()
         assert caught.value.code == "bad_name"
-    assert robot.ros.entity_count() == 0
+    assert robot.ros.diagnosis.entity_count() == 0
 
 
 @pytest.mark.parametrize("type_name", BAD_TYPES)
@@ -287,32 +293,32 @@ async def test_a_type_without_a_ros_package_is_bad(robot: Robot, type_name: str)
         with pytest.raises(RosError) as caught:
             attempt()
         assert caught.value.code == "bad_type"
-    assert robot.ros.entity_count() == 0
+    assert robot.ros.diagnosis.entity_count() == 0
 
 
 async def test_a_service_is_provided_once(robot: Robot) -> None:
-    service = robot.ros.serve("/arm", SET_BOOL, echo)
+    service = robot.ros.services.serve("/arm", SET_BOOL, echo)
     with pytest.raises(RosError, match="service /arm is provided here already") as caught:
-        robot.ros.serve("/arm", SET_BOOL, echo)
+        robot.ros.services.serve("/arm", SET_BOOL, echo)
     assert caught.value.code == "limit_exceeded"
     service.close()
-    robot.ros.serve("/arm", SET_BOOL, echo)
+    robot.ros.services.serve("/arm", SET_BOOL, echo)
 
 
 async def test_a_service_is_open_with_one_type_at_a_time(robot: Robot) -> None:
-    client = robot.ros.client("/arm", SET_BOOL)
+    client = robot.ros.services.client("/arm", SET_BOOL)
     for attempt in attempts(robot, "/arm", TRIGGER):
         with pytest.raises(RosError, match=f"service /arm is open here as {SET_BOOL}") as caught:
             attempt()
         assert caught.value.code == "type_conflict"
     client.close()
-    robot.ros.client("/arm", TRIGGER)
+    robot.ros.services.client("/arm", TRIGGER)
 
 
 async def test_a_server_of_another_type_is_not_called(robot: Robot) -> None:
     requests: list[Request] = []
     robot.world.add_service("/arm", TRIGGER, requests.append)
-    client = robot.ros.client("/arm", SET_BOOL)
+    client = robot.ros.services.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: robot.ros.service_types("/arm") == (TRIGGER,))
     assert not calling.done()
@@ -326,16 +332,16 @@ async def test_the_types_of_a_service_appear_and_vanish_with_it(robot: Robot) ->
     await eventually(lambda: robot.ros.service_types("/arm") == (SET_BOOL,))
     outside.close()
     await eventually(lambda: robot.ros.service_types("/arm") == ())
-    own = robot.ros.serve("/arm", TRIGGER, echo)
+    own = robot.ros.services.serve("/arm", TRIGGER, echo)
     await eventually(lambda: robot.ros.service_types("/arm") == (TRIGGER,))
     own.close()
     await eventually(lambda: robot.ros.service_types("/arm") == ())
 
 
 async def test_a_client_alone_gives_a_service_no_type(robot: Robot) -> None:
-    robot.ros.client("/arm", SET_BOOL)
+    robot.ros.services.client("/arm", SET_BOOL)
     robot.world.add_client("/arm", SET_BOOL)
-    robot.ros.serve("/leg", SET_BOOL, echo)
+    robot.ros.services.serve("/leg", SET_BOOL, echo)
     await eventually(lambda: robot.ros.service_types("/leg") == (SET_BOOL,))
     assert robot.ros.service_types("/arm") == ()
     assert all(each.name != "/arm" for each in robot.ros.graph().services)
@@ -343,7 +349,7 @@ async def test_a_client_alone_gives_a_service_no_type(robot: Robot) -> None:
 
 async def test_the_graph_lists_services_with_who_provides_them(robot: Robot) -> None:
     robot.world.add_service("/arm", SET_BOOL, echo)
-    robot.ros.serve("/leg", TRIGGER, echo)
+    robot.ros.services.serve("/leg", TRIGGER, echo)
 
     def found() -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:
         provided = robot.ros.graph().services

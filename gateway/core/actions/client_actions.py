@@ -198,7 +198,7 @@ class ClientActions:
         def on_cancel(goal: GoalRequest) -> None:
             _pass_on_cancel(provided, goal)
 
-        server = self._ros.serve_action(action, action_type.name, on_goal, on_cancel)
+        server = self._ros.actions.serve_action(action, action_type.name, on_goal, on_cancel)
         provided = ClientAction(session, requested_name, requested_type, action_type, server)
         self._provided[action] = provided
 

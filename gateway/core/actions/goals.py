@@ -147,7 +147,7 @@ class Goals:
     async def _follow(self, sent: SentGoal, goal_cdr: bytes) -> None:
         action, type_name = sent.action, sent.type.name
         opened = self._clients.use(
-            (action, type_name), lambda: self._ros.action_client(action, type_name)
+            (action, type_name), lambda: self._ros.actions.action_client(action, type_name)
         )
         with opened as client:
             deadline = Deadline.within(ACCEPT_S)

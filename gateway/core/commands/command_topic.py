@@ -12,7 +12,6 @@ from gateway.access.audit import Audit
 from gateway.codec.types import MessageType
 from gateway.core.commands.drive_audit import DriveAudit
 from gateway.core.commands.driver import Driver
-from gateway.core.commands.guard import Guard
 from gateway.core.commands.twist_values import TwistValues
 from gateway.core.errors import ProtocolError
 from gateway.core.names import TopicName
@@ -40,6 +39,7 @@ from gateway.fronts.rosbridge.operations.base import Operation
 from gateway.fronts.rosbridge.operations.topics import Publish
 from gateway.fronts.rosbridge.session import Session
 from gateway.metrics.state import DriveState
+from gateway.sources.guard import Guard
 from gateway.sources.source import Publisher, Qos, Ros, RosError, TopicEvent
 
 # Reliable, because a zero must arrive. Only the newest goes out, and not when it is old. Nothing is
@@ -114,7 +114,7 @@ class CommandTopic:
             RosError: ROS refuses it.
         """
         self.prepare(message_type.name)
-        self._publisher = self._ros.advertise(
+        self._publisher = self._ros.publishing.advertise(
             self.name, message_type.name, COMMAND_QOS, self._on_event
         )
         self.message_type = message_type
@@ -139,7 +139,7 @@ class CommandTopic:
             self._guard.close(self.name)
         self._guarded_type = type_name
         self._apply(self._drive.set_guard("starting", self._now_ns()))
-        self._readers = self._ros.readers(self.name)
+        self._readers = self._ros.publishing.readers(self.name)
         self._guard.open(self.name, type_name, self._readers, self._on_guard)
 
     def on_graph_change(self, types: tuple[str, ...]) -> None:
@@ -155,7 +155,7 @@ class CommandTopic:
 
         It may be a robot's, which does not move until the joystick is released.
         """
-        known, self._readers = self._readers, self._ros.readers(self.name)
+        known, self._readers = self._readers, self._ros.publishing.readers(self.name)
         if self._guarded_type is not None and not self._readers <= known:
             self._apply(self._drive.set_guard("starting", self._now_ns()))
             self._guard.open(self.name, self._guarded_type, self._readers, self._on_guard)

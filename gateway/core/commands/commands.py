@@ -5,14 +5,14 @@ import asyncio
 import time
 from collections.abc import Iterator
 from functools import partial
-from typing import Final
+from typing import Final, cast
 
 from gateway.access.audit import Audit
 from gateway.config.control import ControlConfig
 from gateway.core.commands.command_topic import CommandTopic
-from gateway.core.commands.guard import Guard
 from gateway.core.commands.twist_values import read
 from gateway.core.errors import NothingThereError, ProtocolError, unknown_topic
+from gateway.core.missing_parts import Missing, refuse_part, require
 from gateway.core.names import TopicName, resolve_topic
 from gateway.core.permission_checks import check_publish
 from gateway.core.topic_counts import CountsByTopic
@@ -28,7 +28,8 @@ from gateway.fronts.rosbridge.operations.commands import (
 )
 from gateway.fronts.rosbridge.operations.topics import Advertise, Publish, Unadvertise
 from gateway.fronts.rosbridge.session import Session
-from gateway.metrics.state import ClientPublication, DriveState
+from gateway.metrics.state import ClientPublication, ControlState
+from gateway.sources.guard import Guard
 from gateway.sources.source import Ros, RosError
 
 # Two clients that take over from each other all the time would drive a robot back and forth.
@@ -47,12 +48,14 @@ class Commands:
         ros: Ros,
         types: TopicTypes,
         config: ControlConfig,
-        guard: Guard,
+        guard: Guard | None,
         audit: Audit,
         counts: CountsByTopic,
         events: TopicEvents,
     ) -> None:
+        self._ros = ros
         self._types = types
+        self._guard = guard
         self._turn_ns: int | None = None
         self._taken_ns: dict[TopicName, int] = {}  # when control was taken over last
         rules = Rules(
@@ -67,7 +70,7 @@ class Commands:
                 TopicName(name),
                 rules,
                 ros,
-                guard,
+                guard or cast("Guard", Missing("guard")),
                 audit,
                 now_ns=self._now_ns,
                 counts=counts.open(name),
@@ -85,9 +88,12 @@ class Commands:
         """The number of open ROS publishers."""
         return sum(topic.is_open for topic in self._topics.values())
 
-    def drives(self) -> tuple[DriveState, ...]:
-        """Return the state of each topic."""
-        return tuple(topic.drive_state() for topic in self._topics.values())
+    def control_state(self) -> ControlState:
+        """Return the state of each topic and of the guard. Without a guard no topic is driven."""
+        if self._guard is None:
+            return ControlState((), guard_is_ready=False, guard_losses=0)
+        drives = tuple(topic.drive_state() for topic in self._topics.values())
+        return ControlState(drives, self._guard.is_ready, self._guard.losses)
 
     def is_driven_by(self, session: Session) -> bool:
         """Return whether a client has control of a topic."""
@@ -170,9 +176,11 @@ class Commands:
         Raises:
             ProtocolError: the topic is not a command topic, the client may not publish on it, or
                 control has just been taken over.
+            RosError: the source has no guard.
         """
         topic = self._named(session, request.topic)
         check_publish(session, topic.name)
+        self._require_guard()
         if topic.state(session)["holder"] == "other":
             self._check_takeover(topic.name)
         topic.acquire(session)
@@ -203,6 +211,8 @@ class Commands:
 
     def on_graph_change(self) -> None:
         """Have the guard prepare for the robots that are there."""
+        if self._guard is None:
+            return
         for topic in self._topics.values():
             topic.on_graph_change(self._types.known(topic.name))
 
@@ -250,6 +260,7 @@ class Commands:
 
     def _opened(self, name: TopicName, requested: str | int | None) -> CommandTopic:
         """Return a topic that is open, with the type asked for or the one that ROS knows."""
+        self._require_guard()
         topic = self._topics[name]
         if topic.message_type is not None:
             if requested is None:
@@ -274,6 +285,12 @@ class Commands:
         if self._turn_ns is not None:  # or the command that opened it would be too old
             self._turn_ns = time.monotonic_ns()
         return topic
+
+    def _require_guard(self) -> None:
+        """Refuse to drive what nothing would stop if this process failed."""
+        require(self._ros.publishing)
+        if self._guard is None:
+            refuse_part("guard")
 
     def _opens(self, topic: CommandTopic) -> bool:
         """Open a topic with the type that ROS knows. Return whether that succeeded."""

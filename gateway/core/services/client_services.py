@@ -22,7 +22,8 @@ from gateway.fronts.rosbridge.operations.services import (
     UnadvertiseService,
 )
 from gateway.fronts.rosbridge.session import Session
-from gateway.sources.source import Request, Ros, RosError, Service
+from gateway.sources.services import Request, Service
+from gateway.sources.source import Ros, RosError
 
 logger = logging.getLogger(__name__)
 
@@ -179,7 +180,7 @@ class ClientServices:
         def on_request(call: Request) -> None:
             self._pass_on(service, provided, call)
 
-        opened = self._ros.serve(service, service_type.name, on_request)
+        opened = self._ros.services.serve(service, service_type.name, on_request)
         provided = self._provided[service] = ClientService(
             session, requested_name, service_type, opened
         )

@@ -214,7 +214,7 @@ class Publications:
     ) -> Publisher:
         on_event = partial(self._on_event, topic, session, request)
         qos = offered(request, message_type)
-        return self._ros.advertise(topic, message_type.name, qos, on_event)
+        return self._ros.publishing.advertise(topic, message_type.name, qos, on_event)
 
     def _on_event(
         self, topic: TopicName, session: Session, request: Advertise, event: TopicEvent

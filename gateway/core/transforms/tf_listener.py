@@ -171,4 +171,4 @@ class TfListener:
         about = truncate(about)
         if about not in warned and len(warned) < _MAX_WARNINGS:
             warned.add(about)
-            self._ros.log("warning", f"tf: {text}")
+            self._ros.diagnosis.log("warning", f"tf: {text}")

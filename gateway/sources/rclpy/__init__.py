@@ -11,6 +11,7 @@ import contextlib
 from collections.abc import AsyncIterator
 
 from gateway.errors import RosMissingError
+from gateway.guard.supervisor import GuardProcess
 from gateway.sources.rclpy.options import RosOptions
 from gateway.sources.rclpy.shared_memory import check_room, remove_abandoned_segments
 from gateway.sources.source import Ros
@@ -25,12 +26,15 @@ async def open_ros(
     definitions: InstalledDefinitions | None = None,
     *,
     makes_types: bool = False,
+    guard: GuardProcess | None = None,
 ) -> AsyncIterator[Ros]:
     """Take part in ROS on the running loop, until the context ends, however it ends.
 
     With *definitions*, publishers and subscribers that have another definition of a type are
     reported, and servers that have one are not called. If it *makes_types*, types that are defined
-    and not installed can be used at once, see `gateway.sources.source.Ros.make_types`.
+    and not installed can be used at once, see `gateway.sources.source.Source.make_types`.
+
+    The *guard* ends with the context. Without one, nobody drives.
 
     Several at once and one after another are fine. Starting blocks the loop for some tenths of a
     second, ending for some hundredths: DDS opens and closes its sockets and threads.
@@ -53,8 +57,10 @@ async def open_ros(
         undo.push_async_callback(classes.close)
         # DDS opens its sockets while the other process tries
         trying = asyncio.create_task(classes.make_types()) if makes_types else None
-        ros = RclpyRos(RosOptions() if options is None else options, classes)
+        ros = RclpyRos(RosOptions() if options is None else options, classes, guard)
         undo.callback(ros.close)
+        if guard is not None:
+            undo.push_async_exit(guard)
         if trying is not None:
             await trying
         yield ros

@@ -54,7 +54,7 @@ class Actions:
             yield ServerInfo(name, (server.type_name,), (node,))
 
     def client(self, action: str, type_name: str) -> RclpyActionClient:
-        """Open a client. See `gateway.sources.source.Ros.action_client`."""
+        """Open a client. See `gateway.sources.actions.Actions.action_client`."""
         check_action(action)
         client = RclpyActionClient(
             self._endpoints,
@@ -76,7 +76,7 @@ class Actions:
         on_goal: Callable[[GoalRequest], None],
         on_cancel: Callable[[GoalRequest], None],
     ) -> RclpyActionServer:
-        """Open a server. See `gateway.sources.source.Ros.serve_action`."""
+        """Open a server. See `gateway.sources.actions.Actions.serve_action`."""
         check_action(action)
         if action in self._provided:
             raise RosError("limit_exceeded", f"action {action} is provided here already")

@@ -104,7 +104,7 @@ def read_actions(node: Node) -> tuple[ServerInfo, ...]:
 def read_types(
     node: Node, topic: str, own_nodes: Container[str], hidden: str = ""
 ) -> tuple[str, ...]:
-    """Return the types of a topic as `gateway.sources.source.Ros.topic_types` describes it.
+    """Return the types of a topic as `gateway.sources.source.Source.topic_types` describes it.
 
     The node *hidden* does not count.
     """
@@ -138,7 +138,7 @@ def read_requests(node: Node, topic: str) -> list[Endpoint]:
 def read_holders(
     node: Node, topic: str, type_name: str, own_nodes: Container[str]
 ) -> tuple[TypeHolder, ...]:
-    """Return the nodes that have a type. See `gateway.sources.source.RosGraph.type_holders`."""
+    """Return the nodes that have a type. See `gateway.sources.source.Source.type_holders`."""
     endpoints = [*read_offers(node, topic), *read_requests(node, topic)]
     return tuple(
         dict.fromkeys(

@@ -5,11 +5,12 @@ import asyncio
 import contextlib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import Final, assert_never
+from typing import Final, Self, assert_never
 
 from rclpy.node import Node
 
 from gateway.faults import Fault
+from gateway.guard.supervisor import GuardProcess
 from gateway.sources.actions import GoalRequest
 from gateway.sources.rclpy import fast_dds, rclpy_private
 from gateway.sources.rclpy.action_client import RclpyActionClient
@@ -43,11 +44,11 @@ from gateway.sources.rclpy.service_entities import RclpyClient, RclpyService, Se
 from gateway.sources.rclpy.time_jumps import JumpWatch
 from gateway.sources.rclpy.wait_set_events import WaitSetReadyEvents
 from gateway.sources.rclpy.watches import GraphWatch, GraphWatches
+from gateway.sources.services import Request
 from gateway.sources.source import (
     Graph,
     LogLevel,
     Qos,
-    Request,
     RosError,
     Sample,
     ServerInfo,
@@ -67,14 +68,19 @@ class RclpyRos:
     has closed its connections.
     """
 
-    def __init__(self, options: RosOptions, classes: MessageClasses | None = None) -> None:
+    def __init__(
+        self,
+        options: RosOptions,
+        classes: MessageClasses | None = None,
+        guard: GuardProcess | None = None,
+    ) -> None:
         """Start.
 
         Raises:
             RosError: ROS refuses the options.
         """
         loop = asyncio.get_running_loop()
-        self._options = options
+        self._options, self.guard = options, guard
         self._classes = classes or MessageClasses()
         # read from the graph, kept until it changes
         self._graph: Graph | None = None
@@ -144,6 +150,13 @@ class RclpyRos:
         self._undo.close()
 
     @property
+    def publishing(self) -> Self:
+        """The part that publishes. See the port."""
+        return self
+
+    services = actions = diagnosis = publishing
+
+    @property
     def distro(self) -> str:
         """The ROS distribution, such as ``jazzy``."""
         return _DISTRO
@@ -203,6 +216,9 @@ class RclpyRos:
         """Provide an action by its fully resolved name. See the port."""
         self._check_action(action, type_name)
         return self._actions.serve(action, type_name, on_goal, on_cancel)
+
+    async def definitions(self, _: str) -> None:
+        """Carry none. See the port."""
 
     async def make_types(self) -> None:
         """Find out whether types can be made here. See the port."""
@@ -286,7 +302,8 @@ class RclpyRos:
         """Return what is wrong with ROS itself. See the port."""
         if self._is_closed or not self._debug.context.ok():
             return (Fault("dead", "ROS has shut down below the gateway: it must be restarted"),)
-        faults = [*self._executor.faults(), *self._ready_events.faults()]
+        guarding = () if self.guard is None else self.guard.faults()
+        faults = [*self._executor.faults(), *self._ready_events.faults(), *guarding]
         if not self._changes.is_alive:
             faults.append(Fault("dead", "the thread that follows the ROS graph has ended"))
         return faults

@@ -85,7 +85,7 @@ class Publishers:
         qos: Qos,
         on_event: Callable[[TopicEvent], None],
     ) -> "RclpyPublisher":
-        """Open a publisher. See `gateway.sources.source.Ros.advertise`."""
+        """Open a publisher. See `gateway.sources.source.Publishing.advertise`."""
         check_topic(topic)
         offer = complete_offer(qos)
         # Late subscribers get the last samples of each publisher, so latched ones are not shared.

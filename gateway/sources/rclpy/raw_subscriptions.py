@@ -74,7 +74,7 @@ class RawSubscriptions:
         on_samples: Callable[[Sequence[Sample]], None],
         on_event: Callable[[TopicEvent], None],
     ) -> "RawSubscription":
-        """Open a subscription. See `gateway.sources.source.Ros.subscribe`."""
+        """Open a subscription. See `gateway.sources.source.Source.subscribe`."""
         check_topic(topic)
         subscription = RawSubscription(
             self, topic, type_name, qos, on_samples, on_event, self.offers(topic)

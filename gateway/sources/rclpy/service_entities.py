@@ -11,7 +11,8 @@ from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.name_checks import check_service
 from gateway.sources.rclpy.service_forms import ServiceForm
 from gateway.sources.rclpy.service_versions import Versions, of_service
-from gateway.sources.source import Request, RosError, ServerInfo
+from gateway.sources.services import Request
+from gateway.sources.source import RosError, ServerInfo
 
 
 class Services:
@@ -49,7 +50,7 @@ class Services:
             yield ServerInfo(name, (server.type_name,), (node,))
 
     def client(self, service: str, type_name: str) -> "RclpyClient":
-        """Open a client. See `gateway.sources.source.Ros.client`."""
+        """Open a client. See `gateway.sources.services.Services.client`."""
         check_service(service)
         client = RclpyClient(
             self._endpoints,
@@ -66,7 +67,7 @@ class Services:
     def serve(
         self, service: str, type_name: str, on_request: Callable[[Request], None]
     ) -> "RclpyService":
-        """Open a server. See `gateway.sources.source.Ros.serve`."""
+        """Open a server. See `gateway.sources.services.Services.serve`."""
         check_service(service)
         if service in self._provided:
             raise RosError("limit_exceeded", f"service {service} is provided here already")

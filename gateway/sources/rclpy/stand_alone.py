@@ -59,7 +59,7 @@ class StandAlone:
         """Create a publisher of the newest message on a fully resolved topic name.
 
         Raises:
-            RosError: as for `gateway.sources.source.Ros.advertise`.
+            RosError: as for `gateway.sources.source.Publishing.advertise`.
         """
         check_topic(topic)
         found = message_class(type_name)
@@ -90,7 +90,7 @@ class StandAlone:
     def readers(self, topic: str) -> set[str]:
         """Return the ids of the subscriptions to a topic.
 
-        See `gateway.sources.source.Ros.readers`.
+        See `gateway.sources.source.Publishing.readers`.
         """
         # not by `gateway.sources.rclpy.graph`, as above
         infos = self._node.get_subscriptions_info_by_topic(topic)

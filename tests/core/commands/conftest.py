@@ -3,7 +3,7 @@
 
 import json
 import time
-from collections.abc import AsyncIterator, Callable, Collection, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -12,61 +12,16 @@ from gateway.access.audit import Audit
 from gateway.codec.types import Types
 from gateway.config.control import ControlConfig
 from gateway.core.router import Router
-from gateway.drive.effects import GuardState
 from gateway.sources.source import Sample
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 from tests.client import Frame
 from tests.core.conftest import LIMITS, Bench, Socketless
 from tests.sources.fake import FakeRos
+from tests.sources.fake_guard import FakeGuard
 
 TWIST = "geometry_msgs/msg/Twist"
 STAMPED = "geometry_msgs/msg/TwistStamped"
-
-
-class FakeGuard:
-    """A guard that notes its messages. `report` answers in its place."""
-
-    def __init__(self) -> None:
-        self.told: list[tuple[object, ...]] = []
-        self.is_ready = True
-        self.losses = 0
-        self.on_state: dict[str, Callable[[GuardState], None]] = {}
-        self.on_moving: Callable[[], None] = lambda: None
-
-    def open(
-        self,
-        topic: str,
-        type_name: str,
-        readers: Collection[str],
-        on_state: Callable[[GuardState], None],
-    ) -> None:
-        self.told.append(("open", topic, type_name, len(readers)))
-        self.on_state[topic] = on_state
-        if self.is_ready:
-            on_state("ready")
-
-    def prove(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
-        self.told.append(("prove", topic, frame_id))
-
-    def close(self, topic: str) -> None:
-        self.told.append(("close", topic))
-        self.on_state.pop(topic)
-
-    def moving(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
-        self.told.append(("moving", topic, frame_id))
-        self.on_moving()
-
-    def rest(self, topic: str) -> None:
-        self.told.append(("rest", topic))
-
-    def report(self, state: GuardState) -> None:
-        for on_state in list(self.on_state.values()):
-            on_state(state)
-
-    @property
-    def verbs(self) -> list[object]:
-        return [told[0] for told in self.told]
 
 
 class Scene(Bench):
@@ -115,7 +70,8 @@ async def build() -> AsyncIterator[Build]:
     with ThreadPoolExecutor(1) as workers:
 
         def build(**control: object) -> Scene:
-            ros, guard = FakeRos(), FakeGuard()
+            guard = FakeGuard()
+            ros = FakeRos(guard=guard)
             types = Types(InstalledDefinitions())
             audited: list[str] = []
             router = Router(
@@ -126,7 +82,6 @@ async def build() -> AsyncIterator[Build]:
                 workers=workers,
                 version="test",
                 control=ControlConfig(**control),  # type: ignore[arg-type]
-                guard=guard,
                 audit=Audit(time.time_ns, audited.append),
             )
             made.append(Scene(ros, router, types, guard, audited))

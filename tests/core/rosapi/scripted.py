@@ -9,7 +9,7 @@ from gateway.codec.types import ServiceType, Types
 from gateway.core.deadline import Deadline
 from gateway.core.rosapi import Parameters
 from gateway.core.service_clients import ServiceClients
-from gateway.sources.source import Request
+from gateway.sources.services import Request
 from schemas.installed import InstalledDefinitions
 from tests.sources.fake import FakeRos
 

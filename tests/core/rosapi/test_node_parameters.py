@@ -13,7 +13,8 @@ from gateway.core.errors import ProtocolError
 from gateway.core.rosapi import Parameters, SetResult, node_parameters
 from gateway.core.rosapi.node_parameters import EACH_NODE_TIMEOUT_S
 from gateway.core.rosapi.unresponsive_nodes import FRESH_S
-from gateway.sources.source import Request, Ros
+from gateway.sources.services import Request
+from gateway.sources.source import Ros
 from tests.client import TIMEOUT_S, eventually
 from tests.clock import StoppedClock
 from tests.core.rosapi.conftest import discovered
@@ -333,8 +334,8 @@ async def test_a_request_that_sets_a_parameter_is_not_sent_again(
     nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     nodes.add("/robot", "speed")
-    nodes.ros.services = [
-        service for service in nodes.ros.services if service.name != "/robot/set_parameters"
+    nodes.ros.service_servers = [
+        service for service in nodes.ros.service_servers if service.name != "/robot/set_parameters"
     ]
     nodes.offer("/robot", "set_parameters", lambda _: None)
     clock = StoppedClock(monkeypatch)
@@ -466,7 +467,7 @@ async def test_a_node_that_answers_again_is_no_longer_taken_for_dead(nodes: Scri
     parameters = nodes.parameters
     with pytest.raises(ProtocolError, match="has not answered"):
         await parameters.list_names("/robot", timeout_s=0.2)
-    for service in list(nodes.ros.services):
+    for service in list(nodes.ros.service_servers):
         service.close()
     nodes.add("/robot", "speed")
     assert await parameters.list_names("/robot", timeout_s=5.0) == ["speed"]
@@ -477,8 +478,8 @@ async def test_a_node_that_answers_some_questions_is_not_taken_for_dead(
     nodes: ScriptedNodes,
 ) -> None:
     nodes.add("/robot", "speed")
-    nodes.ros.services = [
-        service for service in nodes.ros.services if service.name != "/robot/get_parameters"
+    nodes.ros.service_servers = [
+        service for service in nodes.ros.service_servers if service.name != "/robot/get_parameters"
     ]
     nodes.offer("/robot", "get_parameters", lambda _: None)
     parameters = nodes.parameters

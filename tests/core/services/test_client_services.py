@@ -310,7 +310,7 @@ async def test_services_of_the_gateway_cannot_be_provided(bench: Bench) -> None:
             "service /rosapi/topics: the gateway answers it itself, provide another name",
         )
     ]
-    assert bench.ros.services == []
+    assert bench.ros.service_servers == []
 
 
 async def test_a_service_that_a_node_provides_gets_a_warning_and_is_provided(bench: Bench) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from gateway.sources.source import Request
+from gateway.sources.services import Request
 from tests.client import eventually
 from tests.clock import StoppedClock
 from tests.core.conftest import LIMITS, Bench

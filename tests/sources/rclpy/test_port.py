@@ -23,7 +23,16 @@ from gateway.sources.rclpy.options import Taking
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.rclpy_private import ReadyCallbacks
 from gateway.sources.rclpy.ready_events import UnsupportedError
-from gateway.sources.source import Graph, LogLevel, Qos, Request, Ros, RosError, Sample, ServerInfo
+from gateway.sources.services import Request
+from gateway.sources.source import (
+    Graph,
+    LogLevel,
+    Qos,
+    Ros,
+    RosError,
+    Sample,
+    ServerInfo,
+)
 from tests.client import TIMEOUT_S, eventually
 from tests.sources.outside import Outside
 from tests.sources.rclpy.test_samples import CDR, Flood

@@ -17,7 +17,8 @@ from gateway.codec.types import Types
 from gateway.sources.rclpy import RosOptions
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.raw_messages import RawMessage
-from gateway.sources.source import Request, RosError
+from gateway.sources.services import Request
+from gateway.sources.source import RosError
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
 from tests.sources.conftest import MadeClasses, known_to

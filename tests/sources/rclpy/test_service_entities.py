@@ -17,7 +17,8 @@ from gateway.sources.rclpy.interfaces import service_class
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.rclpy_private import RESPONSE_TIMED_OUT
 from gateway.sources.rclpy.service_entities import RclpyClient
-from gateway.sources.source import MAX_TAKES_PER_TURN, Request, RosError
+from gateway.sources.services import Request
+from gateway.sources.source import MAX_TAKES_PER_TURN, RosError
 from tests.client import eventually
 from tests.sources.outside import Outside
 from tests.sources.test_contract_services import SET_BOOL, echo, request, response, soon, text_of

@@ -11,7 +11,8 @@ import pytest
 
 from gateway.sources.rclpy import RosOptions, type_supports
 from gateway.sources.rclpy.port import RclpyRos
-from gateway.sources.source import Request, RosError
+from gateway.sources.services import Request
+from gateway.sources.source import RosError
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from tests.client import eventually
 from tests.sources.conftest import MadeClasses, known_to

@@ -36,10 +36,10 @@ from gateway.sources.source import Qos, Sample
 from gateway.transport.admission import Admission
 from gateway.transport.http import Asker
 from gateway.transport.picture_streams import Pictures, Viewer
-from tests.core.commands.conftest import FakeGuard
 from tests.core.conftest import Bench, Socketless, open_bench
 from tests.fronts.rosbridge.wire_fixtures.text import OPENCV, shortened, shown, shown_bytes
 from tests.sources.fake import FakePublisher
+from tests.sources.fake_guard import FakeGuard
 from tests.wire import websocket_frames
 
 FILES: Final = sorted(Path(__file__).parent.glob("*.txt"))
@@ -311,7 +311,7 @@ class Stage:
 
     def do_vanish(self, name: str) -> None:
         """End a service or an action."""
-        for each in [*self.bench.ros.services, *self.bench.ros.action_servers]:
+        for each in [*self.bench.ros.service_servers, *self.bench.ros.action_servers]:
             if (each.name, each.node) == (name, "/outside"):
                 each.close()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command topics' interface to the guard, which stops the robot if this process cannot."""
+"""The interface to a source's guard, which stops the robot if this process cannot."""
 
 from collections.abc import Callable, Collection
 from typing import Protocol
@@ -17,6 +17,9 @@ class Guard(Protocol):
     @property
     def losses(self) -> int:
         """The number of times that it was lost."""
+
+    def start(self) -> None:
+        """Begin, once clients can connect. Commands to move wait until it is ready."""
 
     def open(
         self,
@@ -47,33 +50,3 @@ class Guard(Protocol):
 
     def rest(self, topic: str) -> None:
         """Announce that the last zero of a stop has gone out."""
-
-
-class NoGuard:
-    """No guard, for tests and for programs that embed the router and watch over it themselves."""
-
-    is_ready = True
-    losses = 0
-
-    def open(
-        self,
-        topic: str,
-        type_name: str,
-        readers: Collection[str],
-        on_state: Callable[[GuardState], None],
-    ) -> None:
-        """Report at once that the topic is guarded."""
-        del topic, type_name, readers
-        on_state("ready")
-
-    def prove(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
-        """Ignore it."""
-
-    def close(self, topic: str) -> None:
-        """Ignore it."""
-
-    def moving(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
-        """Ignore it."""
-
-    def rest(self, topic: str) -> None:
-        """Ignore it."""
