@@ -82,7 +82,7 @@ def argument_parser() -> argparse.ArgumentParser:
         added.add_argument("--debug", action="store_true", help="show tracebacks of errors")
         return added
 
-    _add_configuration(
+    _add_serve(
         command(
             "serve",
             "serve the topics of this ROS 2 system",
@@ -218,6 +218,12 @@ def _add_configuration(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="print the configuration as TOML, and where each value came from, instead of serving",
     )
+
+
+def _add_serve(parser: argparse.ArgumentParser) -> None:
+    # for who writes a source: docs/contributing/adding-a-source.md
+    parser.add_argument("--source", metavar="MODULE:FUNCTION", help=argparse.SUPPRESS)
+    _add_configuration(parser)
 
 
 def _add_demo(parser: argparse.ArgumentParser) -> None:

@@ -118,7 +118,8 @@ def _serve(arguments: argparse.Namespace) -> int:
     loaded = _configuration(arguments)
     if arguments.print_config:
         return _print_config(loaded)
-    use_ros(loaded.config.ros.domain_id)
+    if arguments.source is None:
+        use_ros(loaded.config.ros.domain_id)
     with _log_output(loaded) as own:
         return _run_gateway(arguments, loaded, own)
 
@@ -179,7 +180,9 @@ def _run_gateway(
     *,
     opens_page: bool = False,
 ) -> int:
-    require_rclpy()
+    from gateway.cli.named_source import source_of
+
+    open_source = source_of(arguments)
     from gateway import app
 
     def announce_listening(listening: "Listening") -> Callable[[], None]:
@@ -215,6 +218,7 @@ def _run_gateway(
     return app.run(
         _with_certificate(loaded.config),
         announce=announce_listening,
+        open_source=open_source,
         load=lambda: _with_certificate(_configuration(arguments).config),
         was_interrupted=_interrupted.is_set,
         streams=app.STANDARD_STREAMS if own is None else own.streams,
