@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 from gateway.codec.types import Types
-from gateway.metrics.diagnosis import Diagnosis, diagnose
+from gateway.metrics.diagnosis import ComponentStatus, diagnose
 from gateway.metrics.state import Summary
 from gateway.sources.source import Publisher, Publishing, Qos, RosError
 from schemas.json_forms import Clock
@@ -86,7 +86,7 @@ class _Reports:
         return self._trouble != before
 
 
-def _status(diagnosis: Diagnosis, name: str) -> dict[str, object]:
+def _status(diagnosis: ComponentStatus, name: str) -> dict[str, object]:
     return {
         "level": diagnosis.level,
         "name": f"{name}: {diagnosis.component}",

@@ -19,7 +19,7 @@ MAX_NAMED: Final = 8  # clients or nodes: more do not help, and the message is f
 
 
 @dataclass(frozen=True, slots=True)
-class Diagnosis:
+class ComponentStatus:
     """The state of one component: a level, a sentence, and numbers."""
 
     component: str
@@ -28,7 +28,7 @@ class Diagnosis:
     values: Mapping[str, object]
 
 
-def diagnose(now: Summary, before: Summary | None) -> list[Diagnosis]:
+def diagnose(now: Summary, before: Summary | None) -> list[ComponentStatus]:
     """Return the diagnosis of each component.
 
     *before* is the summary of a moment ago. A client that loses messages had lost fewer then.
@@ -44,7 +44,7 @@ def diagnose(now: Summary, before: Summary | None) -> list[Diagnosis]:
     ]
 
 
-def _event_loop(now: Summary) -> Diagnosis:
+def _event_loop(now: Summary) -> ComponentStatus:
     late_s = now.max_lag_s
     level: Level = ERROR if late_s >= TOO_LATE_S else WARN if late_s >= LATE_S else OK
     text = f"late by up to {late_s * 1000:.0f} ms" if level else "on time"
@@ -54,10 +54,10 @@ def _event_loop(now: Summary) -> Diagnosis:
         "uptime (s)": round(now.uptime_s),
         "version": now.version,
     }
-    return Diagnosis("event loop", level, text, values)
+    return ComponentStatus("event loop", level, text, values)
 
 
-def _clients(now: Summary) -> Diagnosis:
+def _clients(now: Summary) -> ComponentStatus:
     count = len(now.clients)
     is_full = count >= now.max_clients
     text = f"{count} connected"
@@ -72,10 +72,10 @@ def _clients(now: Summary) -> Diagnosis:
         "reading pauses": now.pauses,
         "wrong or missing tokens": sum(now.authentication_failures.values()),
     }
-    return Diagnosis("clients", WARN if is_full else OK, text, values)
+    return ComponentStatus("clients", WARN if is_full else OK, text, values)
 
 
-def _delivery(now: Summary, before: Summary | None) -> Diagnosis:
+def _delivery(now: Summary, before: Summary | None) -> ComponentStatus:
     dropping = list(_dropping(now, before))
     text = "no queue overflows"
     if dropping:
@@ -88,7 +88,7 @@ def _delivery(now: Summary, before: Summary | None) -> Diagnosis:
         "dropped by full queues": now.totals.dropped_by_full_queue,
         "coalesced": now.totals.coalesced,
     }
-    return Diagnosis("delivery", WARN if dropping else OK, text, values)
+    return ComponentStatus("delivery", WARN if dropping else OK, text, values)
 
 
 def _dropping(now: Summary, before: Summary | None) -> Iterator[str]:
@@ -99,23 +99,23 @@ def _dropping(now: Summary, before: Summary | None) -> Iterator[str]:
                 yield client.client
 
 
-def _ros_entities(now: Summary) -> Diagnosis:
+def _ros_entities(now: Summary) -> ComponentStatus:
     count, limit = now.entities["ros_entities"], now.max_ros_entities
     level: Level = ERROR if count >= limit else WARN if count >= CROWDED * limit else OK
     text = f"{count} of {limit} (limits.max_ros_entities)"
-    return Diagnosis("ROS entities", level, text, now.entities)
+    return ComponentStatus("ROS entities", level, text, now.entities)
 
 
-def _ros_graph(now: Summary) -> Diagnosis:
+def _ros_graph(now: Summary) -> ComponentStatus:
     shared = now.shared_names
     text = "each node has a unique name"
     if shared:
         more = f" and {len(shared) - MAX_NAMED} more" if len(shared) > MAX_NAMED else ""
         text = f"several nodes are named {', '.join(shared[:MAX_NAMED])}{more}"
-    return Diagnosis("ROS graph", WARN if shared else OK, text, {"shared names": len(shared)})
+    return ComponentStatus("ROS graph", WARN if shared else OK, text, {"shared names": len(shared)})
 
 
-def _guard(now: Summary) -> Diagnosis:
+def _guard(now: Summary) -> ComponentStatus:
     control = now.control
     level: Level = OK
     text = "ready"
@@ -123,10 +123,10 @@ def _guard(now: Summary) -> Diagnosis:
         level = ERROR if control.guard_losses else WARN
         state = "lost, another one starts" if control.guard_losses else "starting"
         text = f"{state}: commands that move the robot are refused"
-    return Diagnosis("guard", level, text, {"losses": control.guard_losses})
+    return ComponentStatus("guard", level, text, {"losses": control.guard_losses})
 
 
-def _drive(drive: DriveState) -> Diagnosis:
+def _drive(drive: DriveState) -> ComponentStatus:
     text = drive.motion
     if drive.is_tripped:
         text = f"stopped, {drive.cause}: send a zero command to drive again"
@@ -137,4 +137,4 @@ def _drive(drive: DriveState) -> Diagnosis:
         "guarded": drive.is_guarded,
         **{f"stops: {cause}": count for cause, count in drive.stops.items()},
     }
-    return Diagnosis(f"drive {drive.topic}", WARN if drive.is_tripped else OK, text, values)
+    return ComponentStatus(f"drive {drive.topic}", WARN if drive.is_tripped else OK, text, values)

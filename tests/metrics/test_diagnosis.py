@@ -3,12 +3,12 @@ from typing import Any
 
 import pytest
 
-from gateway.metrics.diagnosis import ERROR, OK, WARN, Diagnosis, diagnose
+from gateway.metrics.diagnosis import ERROR, OK, WARN, ComponentStatus, diagnose
 from gateway.metrics.state import ControlState, Summary
 from tests.metrics.states import DRIVE, client_state, summary
 
 
-def of(component: str, now: Summary, before: Summary | None = None) -> Diagnosis:
+def of(component: str, now: Summary, before: Summary | None = None) -> ComponentStatus:
     (found,) = (each for each in diagnose(now, before) if each.component == component)
     return found
 

@@ -40,7 +40,7 @@ class EncodingKey(NamedTuple):
     nonfinite: NonFinite = "null"  # of CBOR, and of pictures, always
 
 
-class Source(NamedTuple):
+class Feed(NamedTuple):
     """The topic and the encoding of it that feed a subscription."""
 
     topic: TopicKey
@@ -96,7 +96,7 @@ class Subscription:
         self.topic_name = topic_name
         self.requests = requests
         self.options = options
-        self.source: Source | None = None
+        self.source: Feed | None = None
         self.last_refusal = ""  # of another source, as the client was warned
         self.offered = 0
         self.lost_before = 0  # samples that never came to be offered

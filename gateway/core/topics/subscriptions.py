@@ -19,7 +19,7 @@ from gateway.core.topics.picture_adaptation import STEPS, Step
 from gateway.core.topics.requested_pictures import fits_link, requested_picture, why_plain
 from gateway.core.topics.requested_qos import subscribed
 from gateway.core.topics.silence_watch import SilenceWatch
-from gateway.core.topics.subscription import EncodingKey, Source, Subscription, TopicKey
+from gateway.core.topics.subscription import EncodingKey, Feed, Subscription, TopicKey
 from gateway.core.topics.subscription_options import SubscriptionOptions, compression
 from gateway.core.topics.topic import Topic
 from gateway.fronts.rosbridge.operations.topics import Subscribe, Unsubscribe
@@ -217,7 +217,7 @@ class Subscriptions:
         requested_name: str,
         options: SubscriptionOptions,
         step: Step,
-    ) -> Source | None:
+    ) -> Feed | None:
         """Return what feeds a subscription with these options. ``None``: the type is not known.
 
         *step* says how much smaller than asked for pictures that fit the link are.
@@ -229,7 +229,7 @@ class Subscriptions:
         image = requested_picture(message_type, options, session.image_format, step)
         is_json = options.compression in {"none", "png"} and image is None
         nonfinite = options.nonfinite if is_json else "null"
-        return Source(
+        return Feed(
             TopicKey(name, message_type.name, subscribed(options, message_type)),
             EncodingKey(requested_name, options.fields, image, options.compression, nonfinite),
         )
@@ -268,7 +268,7 @@ class Subscriptions:
         subscription: Subscription,
         requests: Mapping[str | int | None, Subscribe],
         options: SubscriptionOptions,
-        source: Source | None,
+        source: Feed | None,
     ) -> None:
         subscription.change(requests, options)
         self._move(subscription, source)
@@ -278,7 +278,7 @@ class Subscriptions:
         self._silence_watch.follow(subscription)
         subscription.session.wake()
 
-    def _move(self, subscription: Subscription, source: Source | None) -> None:
+    def _move(self, subscription: Subscription, source: Feed | None) -> None:
         """Feed a subscription from another source, whose topic is open, or from none."""
         former = subscription.source
         if source == former:
@@ -335,7 +335,7 @@ class Subscriptions:
         self,
         subscription: Subscription,
         request: Subscribe,
-        source: Source | None,
+        source: Feed | None,
         asked: TypeAskedError | None,
     ) -> None:
         """Tell a client what has become of its request."""

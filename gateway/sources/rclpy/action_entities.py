@@ -15,7 +15,7 @@ from gateway.sources.rclpy.service_versions import Versions, of_action
 from gateway.sources.source import RosError, ServerInfo
 
 
-class Actions:
+class RclpyActions:
     """The clients and the servers of one node. *samples* takes the feedback."""
 
     def __init__(

@@ -14,7 +14,7 @@ from gateway.guard.supervisor import GuardProcess
 from gateway.sources.actions import GoalRequest
 from gateway.sources.rclpy import fast_dds, rclpy_private
 from gateway.sources.rclpy.action_client import RclpyActionClient
-from gateway.sources.rclpy.action_entities import Actions
+from gateway.sources.rclpy.action_entities import RclpyActions
 from gateway.sources.rclpy.action_server import RclpyActionServer
 from gateway.sources.rclpy.deferred_destruction import DeferredDestruction
 from gateway.sources.rclpy.distro import distro
@@ -40,7 +40,7 @@ from gateway.sources.rclpy.raw_subscriptions import RawSubscription, RawSubscrip
 from gateway.sources.rclpy.ready_events import EventfdReadyEvents, ReadyEvents, UnsupportedError
 from gateway.sources.rclpy.same_names import SameNames
 from gateway.sources.rclpy.samples import Samples
-from gateway.sources.rclpy.service_entities import RclpyClient, RclpyService, Services
+from gateway.sources.rclpy.service_entities import RclpyClient, RclpyService, RclpyServices
 from gateway.sources.rclpy.time_jumps import JumpWatch
 from gateway.sources.rclpy.wait_set_events import WaitSetReadyEvents
 from gateway.sources.rclpy.watches import GraphWatch, GraphWatches
@@ -125,11 +125,11 @@ class RclpyRos:
                 self._open_publishers(node, events, undo) for node in (publishing, self._debug)
             )
             endpoints = Endpoints(serving, self._ready_events, loop)
-            self._services = Services(
+            self._services = RclpyServices(
                 endpoints, self._deferred, self._services_changed, self._classes
             )
             undo.callback(self._services.close)
-            self._actions = Actions(
+            self._actions = RclpyActions(
                 endpoints,
                 samples,
                 self._deferred,

@@ -15,7 +15,7 @@ from gateway.sources.services import Request
 from gateway.sources.source import RosError, ServerInfo
 
 
-class Services:
+class RclpyServices:
     """The clients and the servers of one node."""
 
     def __init__(

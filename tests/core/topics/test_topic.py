@@ -15,7 +15,7 @@ from gateway.core.topic_counts import TopicCounts
 from gateway.core.topics import late_join
 from gateway.core.topics import topic as topic_module
 from gateway.core.topics.large_samples import EncodingResources
-from gateway.core.topics.subscription import EncodingKey, Source, Subscription, TopicKey
+from gateway.core.topics.subscription import EncodingKey, Feed, Subscription, TopicKey
 from gateway.core.topics.subscription_options import SubscriptionOptions
 from gateway.core.topics.topic import TIMED_AT_ONCE, Topic
 from gateway.fronts.rosbridge.operations.topics import Subscribe
@@ -147,7 +147,7 @@ async def latched(ros: FakeRos, workers: Executor) -> Topic:
 
 def join(topic: Topic, **options: Any) -> Subscription:
     late = subscription(**options)
-    late.source = Source(topic.key, PLAIN)
+    late.source = Feed(topic.key, PLAIN)
     topic.add(late, PLAIN)
     topic.welcome(late, PLAIN)
     return late
@@ -204,7 +204,7 @@ async def test_another_encoding_of_the_topic_does_not_restart_the_late_join(
     late = join(latched)
     fields = EncodingKey("/t", ("data",), None)
     latched.add(late, fields)
-    late.source = Source(latched.key, fields)
+    late.source = Feed(latched.key, fields)
     latched.remove(late, PLAIN)
     assert len(ros.subscriptions) == 2
     heard = Heard(late)
