@@ -2,7 +2,7 @@
 """How often each fault is injected, how exact its bound is, and the table of what was measured.
 
 ``make faults REPEAT=20`` injects each 20 times, on an otherwise idle machine, with the
-bounds of docs/reference/reaction-times.md. Without, each is injected three times with bounds for a
+bounds of docs/reference/reaction-times.md. Without, each is injected twice with bounds for a
 machine that is busy.
 """
 
@@ -11,7 +11,7 @@ from collections import defaultdict
 
 import pytest
 
-REPEAT = int(os.environ.get("FAULTS_REPEAT", "3"))
+REPEAT = int(os.environ.get("FAULTS_REPEAT", "2"))
 BUSY = int(os.environ.get("FAULTS_BUSY", "0"))  # processes that want a core each, in some tests
 IS_MEASURED = "FAULTS_REPEAT" in os.environ
 IS_EXACT = IS_MEASURED and not BUSY
