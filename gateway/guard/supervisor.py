@@ -44,7 +44,7 @@ class _Topic:
 
 
 class GuardProcess:
-    """One guard process at a time, on the running loop. Implements `router.commands.guard.Guard`.
+    """One guard process at a time, on the running loop. Implements `gateway.sources.guard.Guard`.
 
     Nothing here waits: if the pipe does not take a line at once, the guard is not there.
     """
