@@ -25,6 +25,7 @@ from benchmarks.scenarios import (
     links,
     many_topics,
     one_more,
+    peers,
     robot,
     slow_client,
     start_up,
@@ -73,6 +74,9 @@ SCENARIOS: Final[dict[str, Scenario]] = {
     "idle": Scenario("60 subscriptions to silent topics", "40 s", idle.measure),
     "one-more": Scenario(
         "one more subscription, advertisement and connection", "1 min", one_more.measure
+    ),
+    "peers": Scenario(
+        "next to a server of foxglove-sdk, to 1 ... 200 clients", "25 min", peers.measure
     ),
     "growth": Scenario("cost by rate, clients, idle topics and uptime", "5 min", growth.measure),
     "floods": Scenario("a driver and a stop next to 8 clients that flood", "2 min", floods.measure),

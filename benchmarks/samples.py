@@ -65,10 +65,11 @@ HEADER: Final = Clockwork(
     re.compile(rb'"stamp": ?\{"sec": ?(\d+), ?"nanosec": ?(\d+)\}'),
     lambda found: _nanoseconds(int(found[1]), int(found[2])),
 )
-# the same in CDR within CBOR, where 0x5a and 4 bytes are the length (RFC 8949, section 3)
-_RAW_HEADER: Final = replace(
+# the same in CDR within CBOR, where 2 bytes after 0x59, or 4 after 0x5a, are the length (RFC 8949,
+# section 3)
+RAW_HEADER: Final = replace(
     HEADER,
-    pattern=re.compile(rb"bytes\x5a.{4}\0\x01..(.{8})", re.DOTALL),
+    pattern=re.compile(rb"bytes(?:\x59..|\x5a.{4})\0\x01..(.{8})", re.DOTALL),
     parse=lambda found: _nanoseconds(*struct.unpack("<iI", found[1])),
 )
 # the same in CBOR: each key is a text, 0x1a and 4 bytes are a number of 2**16 and more (RFC 8949,
@@ -185,5 +186,5 @@ SAMPLES: Final[dict[str, SampleKind]] = {
     "image-1080p": SampleKind(lambda: image(1920, 1080), 30, HEADER),
     "compressed-image": SampleKind(compressed_image, 200, HEADER),
     "point-cloud": SampleKind(point_cloud, 30, HEADER),
-    "point-cloud-raw": SampleKind(point_cloud, 30, _RAW_HEADER, "cbor-raw"),
+    "point-cloud-raw": SampleKind(point_cloud, 30, RAW_HEADER, "cbor-raw"),
 }

@@ -5,11 +5,12 @@ import contextlib
 import json
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, Final, Self
 
 from websockets.client import ClientProtocol
 from websockets.http11 import Response
+from websockets.typing import Subprotocol
 from websockets.uri import parse_uri
 
 from benchmarks.actors.frames import CLOSE, PING, PONG, TEXT, FrameWalker, client_frame
@@ -28,6 +29,7 @@ class RawConnection:
         *,
         handshake_s: float = _HANDSHAKE_S,
         receive_buffer_bytes: int | None = None,
+        subprotocols: Sequence[Subprotocol] | None = None,
     ) -> None:
         """*room* is what is read at once. The kernel doubles the bytes of its buffer."""
         uri = parse_uri(url)
@@ -39,7 +41,7 @@ class RawConnection:
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             if receive_buffer_bytes is not None:
                 self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes)
-            self._shake_hands(ClientProtocol(uri))
+            self._shake_hands(ClientProtocol(uri, subprotocols=subprotocols))
         except BaseException:
             self._socket.close()
             raise
@@ -78,6 +80,17 @@ class RawConnection:
         if size == 0 or self.is_over:
             raise ConnectionError("the server has closed the connection")
         return self._payloads(size)
+
+    def discard(self) -> int:
+        """Wait for bytes once, and have the kernel drop them: see MSG_TRUNC in tcp(7).
+
+        Raises:
+            ConnectionError: the server has closed.
+        """
+        size = self._socket.recv_into(self._walker.room(), 0, socket.MSG_TRUNC)
+        if size == 0:
+            raise ConnectionError("the server has closed the connection")
+        return size
 
     def answer_pings(self) -> None:
         """Keep reading in a thread: a server cuts off clients that do not answer its pings."""

@@ -21,9 +21,9 @@ from benchmarks.actors.orders import obey, reply
 from benchmarks.actors.report import Ages
 from benchmarks.samples import SAMPLES, topic
 
-_DEPTH: Final = 32  # as many as the gateway keeps: the losses of both mean the same
+DEPTH: Final = 32  # as many as the gateway keeps: the losses of both mean the same
 _DEPTH_RAW: Final = 1000  # the question is whether a sample was sent
-_SPIN_S: Final = 1e6  # without an end, the events executor of rclpy 7.1 delivers nothing
+SPIN_S: Final = 1e6  # without an end, the events executor of rclpy 7.1 delivers nothing
 
 
 def main(name: str, *, raw: bool) -> None:
@@ -38,7 +38,7 @@ def main(name: str, *, raw: bool) -> None:
 
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("benchmark_floor")
-    depth = _DEPTH_RAW if raw else _DEPTH
+    depth = _DEPTH_RAW if raw else DEPTH
     node.create_subscription(type(sample.make()), topic(name), note, depth, raw=raw)
     executor = EventsExecutor() if raw else SingleThreadedExecutor()
     executor.add_node(node)
@@ -57,7 +57,7 @@ def main(name: str, *, raw: bool) -> None:
         end,
     )
     reply("ready")
-    executor.spin_until_future_complete(over, _SPIN_S)
+    executor.spin_until_future_complete(over, SPIN_S)
     rclpy.shutdown()
 
 
