@@ -1,22 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The state machine of one command topic.
+"""The state machine of one command topic: the order of the events that each call causes.
 
-It moves the robot only while its holder commands it to, in time:
+The states, events, and actions are in tables: `MOTION`, `LATCH`, `WAITING`, `LEASE`, and those of
+`gateway.drive.decisions`. A robot moves only while the holder of the lease commands it to, in time:
 
 - The deadline is checked before each command, by a time that is read once per turn of the event
   loop. So after a silence of the gateway or the network, it stops the robot before it looks at the
   commands that have piled up. Of the commands of one turn the newest goes out.
-- A stop is some commands of zero, then silence (`Zeros`).
-- After a stop that the client did not ask for, the `TripLatch` refuses commands to move.
-- Many commands at once after a silence are a backlog, a few wait to be explained (`Crowd`).
-- A client that pushed while another one drove must release the joystick first (`TurnedAway`).
+- Many commands at once after a silence are a backlog, a few wait to be explained (`Burst`).
+- A client that pushed while another one drove must release the joystick first (`RefusedDrivers`).
 """
 
 from collections.abc import Hashable
-from typing import Final
 
 from gateway.drive import refusals
-from gateway.drive.crowd import Crowd
+from gateway.drive.burst import Burst
+from gateway.drive.decisions import MOVES, STOPS, Reason, is_alone
 from gateway.drive.effects import (
     Cause,
     Changed,
@@ -24,7 +23,6 @@ from gateway.drive.effects import (
     Command,
     Effects,
     GuardState,
-    Motion,
     Refused,
     Rules,
     Send,
@@ -32,13 +30,12 @@ from gateway.drive.effects import (
     Stopped,
 )
 from gateway.drive.freshness import LATE
-from gateway.drive.held import HOLD_NS, Held, for_guard
-from gateway.drive.lease import Lease
+from gateway.drive.lease import TAKING, ZEROS, Lease, LeaseEvent
+from gateway.drive.motion import MOVING, STARTS, Motion
+from gateway.drive.refused_drivers import RefusedDrivers
 from gateway.drive.stop import Zeros
-from gateway.drive.trip_latch import QUIET_NS, TripLatch
-from gateway.drive.turned_away import TurnedAway
-
-CROWD_GAP_NS: Final = 3_000_000  # XR's 120 Hz are 8 ms apart
+from gateway.drive.trip_latch import QUIET_NS, LatchEvent, TripLatch
+from gateway.drive.waiting import WaitingCommand, WaitingEvent
 
 
 class Drive:
@@ -52,63 +49,55 @@ class Drive:
         self._topic = topic
         self._rules = rules
         self._guard: GuardState = guard
-        self._latch = TripLatch()
-        self._lease: Lease | None = None
-        self._turned_away = TurnedAway()
-        self._cause: Cause | None = None
         self._is_over = False  # the gateway shuts down
-        # the motion
-        self._moves = False
-        self._accepted_ns = 0
-        self._commands = 0
-        self._is_by_hand = True  # no command had the time of its client
-        self._pending: Command | None = None  # goes out at the end of this turn, or
-        self._waits = False  # later, as it starts a motion with others that came at once
-        self._is_under_way = False  # a command of this motion has gone out
-        self._held: Held | None = None
-        self._crowd = Crowd()
-        self._has_moved = False  # in this turn something was to move the robot
+        self._motion = Motion()
+        self._latch = TripLatch()
+        self._waiting = WaitingCommand()
+        self._lease = Lease()
         self._zeros = Zeros()
+        self._burst = Burst()
+        self._refused_drivers = RefusedDrivers()
+        self._cause: Cause | None = None  # of the last stop
+        self._has_moved = False  # in this turn something was to move the robot
 
     @property
     def status(self) -> Status:
         """The state, for clients that ask."""
-        motion: Motion = "moving" if self._moves else "stopping" if self._zeros.left else "stopped"
         return Status(
-            motion,
-            self._lease.holder if self._lease else None,
+            "moving" if self._motion.is_moving else "stopping" if self._zeros.left else "stopped",
+            self._lease.holder,
             self._cause,
-            self._latch.is_set and not self._latch.allows_single,
+            self._latch.is_tripped,
             "ready" if self._guard == "prepared" else self._guard,
         )
 
     def may_move(self, now_ns: int) -> bool:
         """Return whether the last command was one to move, and its deadline has not passed."""
-        return self._moves and now_ns - self._accepted_ns < self._rules.deadline_ns
+        return self._motion.is_in_time(now_ns, self._rules.deadline_ns)
 
     @property
     def needs_guard(self) -> bool:
         """Return whether the guard must stop the robot if this process ends now."""
-        return self._moves or self._zeros.left > 0
+        return self._motion.is_moving or self._zeros.left > 0
 
     @property
     def waits_for_proof(self) -> bool:
         """Return whether a command waits until the guard has proved that its zeros arrive."""
-        return self._held is not None and self._guard == "prepared"
+        return self._waiting.state != "none" and self._guard == "prepared"
 
     @property
     def due_ns(self) -> int | None:
         """The time at which `tick` has something to do."""
         times = [self._latch.due_ns]
-        if self._moves:
-            times.append(self._accepted_ns + self._rules.deadline_ns)
+        if self._motion.is_moving:
+            times.append(self._motion.accepted_ns + self._rules.deadline_ns)
         if self._zeros.left:
             times.append(self._zeros.next_ns)
-        if self._waits and self._pending:
-            times.append(self._crowd.explained_ns)
-        if self._held:
-            times.append(self._held.due_ns)
-        if self._lease:
+        if self._motion.state == "burst":
+            times.append(self._burst.explained_ns)
+        if self._waiting.state != "none":
+            times.append(self._waiting.due_ns)
+        if self._lease.state != "free":
             times.append(self._lease.renewed_ns + self._rules.lease_ns)
         return min((time for time in times if time is not None), default=None)
 
@@ -117,40 +106,40 @@ class Drive:
     def command(self, command: Command, now_ns: int) -> Effects:
         """Take a command of a client."""
         out = self._advance(now_ns)
-        silence_ns = self._rules.deadline_ns if self._moves else QUIET_NS
-        if (refused := self._check(command, now_ns)) is not None:
-            is_stop = command.velocity.is_zero and self._has_lease(command.client)
-            if self._moves and is_stop:  # late, but never too late
-                self._stop("zero", now_ns, out, is_asked=True)
+        silence_ns = self._rules.deadline_ns if self._motion.state in MOVING else QUIET_NS
+        claim = self._lease.claim(command, now_ns, self._rules)
+        if (refused := self._check(command, claim, now_ns)) is not None:
+            if claim == "own_zero":
+                self._stop("late_zero", now_ns, out)  # late, but never too late
             if command.age in LATE:  # one that follows closely may be of the same backlog
-                self._crowd.hear(command.client, now_ns, silence_ns)
+                self._burst.hear(command.client, now_ns, silence_ns)
             return [*out, refused]
-        count = self._crowd.hear if command.age == "fresh" else self._crowd.add
+        count = self._burst.hear if command.age == "fresh" else self._burst.add
         gap_ns = count(command.client, now_ns, silence_ns)
-        if command.velocity.is_zero:
-            self._zero(command, now_ns, out)
+        if claim in ZEROS:
+            self._zero(command, claim, now_ns, out)
         else:
-            self._move(command, gap_ns, now_ns, out)
+            self._move(command, claim, gap_ns, now_ns, out)
         return out
 
     def invalid(self, client: Hashable, now_ns: int) -> Effects:
         """Note that a client has sent a message that does not fit the type."""
-        is_held, out = self._take_back(client), self._advance(now_ns)
-        if (self._moves or is_held) and self._has_lease(client):
-            self._stop("invalid_value", now_ns, out)
+        is_waiting, out = self._waiting.take_back(client), self._advance(now_ns)
+        if self._lease.holder == client:
+            self._stop("invalid_while_waiting" if is_waiting else "invalid_value", now_ns, out)
         return out
 
     def end_turn(self, now_ns: int) -> Effects:
         """Send the newest command of the turn, or let it wait for what came with it."""
         out = self._advance(now_ns)
         has_moved, self._has_moved = self._has_moved, False
-        if self._crowd.end_turn() and has_moved:
-            waiting = self._held.command if self._held else self._pending
+        if self._burst.end_turn() and has_moved:
+            waiting = self._waiting.command or self._motion.pending
             self._stop("backlog", now_ns, out)
             if waiting:
-                out.append(self._tripped(waiting))
+                out.append(self._refusal(waiting))
         else:
-            self._send_pending(now_ns, out)
+            self._send(now_ns, out)
         return out
 
     # Other events. Those that end something first take back a command that waits
@@ -158,63 +147,62 @@ class Drive:
     def tick(self, now_ns: int) -> Effects:
         """Do what is due."""
         out = self._advance(now_ns)
-        if self._waits:
-            self._send_pending(now_ns, out)
+        if self._motion.state == "burst":
+            self._send(now_ns, out)
         return out
 
-    def _advance(self, now_ns: int) -> Effects:
-        """Do what is due first. A command that waits can still be taken back."""
+    def _advance(self, now_ns: int, *, may_go: bool = True) -> Effects:
+        """Do what is due first. A command that waits goes out only if it *may_go*."""
         out: Effects = []
-        if self._moves and not self.may_move(now_ns):
-            self._stop("deadline", now_ns, out, allows_single=self._is_single)
-        if self._lease and self._lease.is_over(now_ns, self._rules.lease_ns):
-            if self._moves:
-                self._stop("lease", now_ns, out)
-            self._lease = None
-            out.append(Changed())
-        if self._held:
-            self._tick_held(self._held, now_ns, out)
-        if self._latch.tick(now_ns):
-            out.append(Changed())
-        return out + self._zeros.tick(now_ns)
+        motion, lease = self._motion, self._lease
+        if motion.state in MOVING and now_ns - motion.accepted_ns >= self._rules.deadline_ns:
+            self._stop("single_deadline" if motion.is_single else "deadline", now_ns, out)
+        if lease.state != "free" and now_ns - lease.renewed_ns >= self._rules.lease_ns:
+            self._stop("lease", now_ns, out)
+            out += lease.end()
+        waiting = self._waiting
+        if may_go and waiting.command and (event := waiting.due_event(now_ns, self._guard)):
+            self._on_waiting(event, now_ns, out)
+        if self._latch.due_ns is not None:
+            out += self._latch.tick(now_ns)
+        if self._zeros.left:
+            out += self._zeros.tick(now_ns)
+        return out
 
     def leave(self, client: Hashable, now_ns: int) -> Effects:
         """Stop what a client has moved, because it is gone."""
-        return self._end_lease(client, "disconnect", now_ns, allows_single=self._is_single)
+        is_single = self._motion.is_single
+        return self._lose(client, "single_disconnect" if is_single else "disconnect", now_ns)
 
     def revoke(self, client: Hashable, now_ns: int) -> Effects:
         """Stop what a client has moved, because it lost the permission."""
-        return self._end_lease(client, "permission", now_ns)
+        return self._lose(client, "permission", now_ns)
 
     def release(self, client: Hashable, now_ns: int) -> Effects:
         """Take control from a client that gives it back. Ignored if it has none."""
-        return self._end_lease(client, "release", now_ns, is_asked=True)
+        return self._lose(client, "release", now_ns)
 
     def stop(self, client: Hashable, now_ns: int) -> Effects:
         """Stop at the request of any client, also a robot that seems to stand."""
-        self._held = None
+        self._waiting.on("take_back")
         out = self._advance(now_ns)
-        is_asked = self._lease is None or self._lease.holder == client
-        self._stop("stop", now_ns, out, is_asked=is_asked)
+        is_own = self._lease.holder in {None, client}
+        self._stop("own_stop" if is_own else "stop", now_ns, out)
         return out
 
     def acquire(self, client: Hashable, now_ns: int) -> Effects:
         """Give control to a client. If another one moves the robot, stop it first."""
-        held, self._held = self._held, None
-        self._turned_away.forget(client)
-        out = self._advance(now_ns)
-        if held and held.command.client == client:
-            self._held = None if self.status.is_tripped else held  # a stop has taken it back
-        elif held:
-            out.append(refusals.taken_over(held.command, self._topic))
-        if self._lease and self._lease.holder != client:
-            if self._moves:
-                self._stop("takeover", now_ns, out)
-            self._hand_over(out)
-        if self._lease is None:
-            self._lease = Lease(client, now_ns)
-        self._lease.is_asked_for = True
-        self._lease.renewed_ns = now_ns
+        answers: Effects = []
+        if self._waiting.client != client:
+            self._on_waiting("hand_over", now_ns, answers)
+        self._refused_drivers.forget(client)
+        out = self._advance(now_ns, may_go=False) + answers
+        if self._lease.holder in {None, client}:
+            self._lease.on("acquire", client, now_ns)
+        else:
+            self._stop("takeover", now_ns, out)
+            self._hand_over(now_ns, out)
+            self._lease.on("other_acquire", client, now_ns)
         out.append(Changed())
         return out
 
@@ -227,200 +215,135 @@ class Drive:
         out = self._advance(now_ns)
         if is_changed:
             out.append(Changed())
-        held = self._held
         if guard == "ready":
-            if held and held.until_ns is None:
-                self._send_held(held, now_ns, out)
+            self._on_waiting("ready", now_ns, out)
         elif guard != "prepared":
-            if self._moves or (held and guard == "starting"):
-                self._stop("guard" if guard == "lost" else "reader", now_ns, out)
-            self._held = None
-            if held:
-                out.append(self._tripped(held.command))
+            _, waiting = self._waiting.on("refuse")
+            reader: Reason = "reader_while_waiting" if waiting else "reader"
+            self._stop("guard" if guard == "lost" else reader, now_ns, out)
+            if waiting:
+                out.append(self._refusal(waiting))
         return out
 
     def shut_down(self, now_ns: int) -> Effects:
         """Stop, and refuse to move from now on."""
         self._is_over = True
-        held, self._held = self._held, None
+        _, waiting = self._waiting.on("refuse")
         out = self._advance(now_ns)
-        if held:
-            out.append(self._tripped(held.command))
-        if self._moves:
-            self._stop("shutdown", now_ns, out)
+        if waiting:
+            out.append(self._refusal(waiting))
+        self._stop("shutdown", now_ns, out)
         return out
 
     # Rules
 
-    @property
-    def _is_single(self) -> bool:
-        return self._commands == 1 and self._is_by_hand
-
-    def _check(self, command: Command, now_ns: int) -> Refused | None:
-        if self._lease and not self._lease.admits(command, now_ns, self._rules):
-            self._turned_away.refuse(command, now_ns)
+    def _check(self, command: Command, claim: LeaseEvent, now_ns: int) -> Refused | None:
+        if not self._lease.admits(claim):
+            self._refused_drivers.refuse(command, now_ns)
             return refusals.not_holder(command, self._topic, self._rules)
-        if self._turned_away.still_pushes(command, now_ns, self._rules.deadline_ns):
+        if self._refused_drivers.still_pushes(command, now_ns, self._rules.deadline_ns):
             return refusals.still_pushes(command, self._topic, self._rules)
         if command.age in LATE:
             return refusals.stale(command, self._topic)
         return None
 
-    def _has_lease(self, client: Hashable) -> bool:
-        return self._lease is not None and self._lease.holder == client
+    def _zero(self, command: Command, claim: LeaseEvent, now_ns: int, out: Effects) -> None:
+        self._take_lease(command, claim, now_ns, out)
+        self._waiting.on("take_back")
+        if not self._stop("zero", now_ns, out):
+            event: LatchEvent = "fresh_zero" if command.age == "fresh" else "zero"
+            out += self._latch.on(event, None, now_ns)
+            self._motion.pending = command
 
-    def _zero(self, command: Command, now_ns: int, out: Effects) -> None:
-        self._take_lease(command, now_ns, out)
-        self._held = None  # the client has taken back what waited
-        if self._moves:
-            self._stop("zero", now_ns, out, is_asked=True)
-        else:
-            was_set = self._latch.is_set
-            self._latch.zero(command.age, now_ns)
-            if was_set != self._latch.is_set:
-                out.append(Changed())
-            self._pending = command
-
-    def _move(self, command: Command, gap_ns: int | None, now_ns: int, out: Effects) -> None:
-        if self._is_over or self._guard == "lost":
-            out += self._latch.spoil()  # it can still be one of a backlog behind a zero
-            out.append(self._tripped(command))
+    def _move(
+        self, command: Command, claim: LeaseEvent, gap_ns: int | None, now_ns: int, out: Effects
+    ) -> None:
+        guard: GuardState = "lost" if self._is_over else self._guard
+        if claim == "barred_move" and guard != "lost":
+            out += self._latch.on("first", "start")
+        decision = MOVES[self._latch.state][guard]
+        if decision == "single" and not is_alone(command.age, gap_ns):
+            decision = "refuse"
+        if decision == "refuse":
+            out += self._latch.on("move")  # it can still be one of a backlog behind a zero
+            self._on_waiting("refuse", now_ns, out)
+            out.append(self._refusal(command))
             return
-        is_new = not self._has_lease(command.client)
-        if is_new and self._rules.first_command == "zero" and not self._latch.is_set:
-            self._latch.trip("start")
-            out.append(Changed())
-        if self._latch.is_set and not self._may_be_single(command, gap_ns):
-            out += self._latch.spoil()
-            held, self._held = self._held, None
-            if held:
-                out.append(self._tripped(held.command))
-            out.append(self._tripped(command))
-            return
-        self._take_lease(command, now_ns, out)
+        self._take_lease(command, claim, now_ns, out)
         clamped = command.clamped(self._rules)
         if clamped is not command:
             out.append(Clamped(command, clamped.velocity))
             command = clamped
         self._has_moved = True
-        if self._latch.is_set:
-            until_ns = self._held.until_ns if self._held else now_ns + HOLD_NS
-            self._held = Held(command, now_ns, until_ns or now_ns + HOLD_NS)
-        elif self._guard != "ready":
-            self._held = for_guard(command, now_ns, self._held, self._rules.deadline_ns)
-        else:
-            self._accept(command, now_ns, out)
+        match decision:
+            case "single":
+                self._waiting.single(command, now_ns)
+            case "unready":
+                self._waiting.unready(command, now_ns, self._rules.deadline_ns)
+            case "accept":
+                out += self._motion.move(command, now_ns)
 
-    def _may_be_single(self, command: Command, gap_ns: int | None) -> bool:
-        """Return whether a command after a motion of a single one may wait to go out."""
-        if not self._latch.allows_single or self._latch.is_resetting or command.age != "unknown":
-            return False
-        return gap_ns is None or gap_ns >= CROWD_GAP_NS
+    def _on_waiting(self, event: WaitingEvent, now_ns: int, out: Effects) -> None:
+        action, command = self._waiting.on(event)
+        if command is None:
+            return
+        if action == "send":
+            out += self._latch.on("go")
+            out += self._motion.move(command, now_ns)
+            self._send(now_ns, out)
+        elif action == "refuse":
+            out.append(self._refusal(command, event))
 
-    def _tick_held(self, held: Held, now_ns: int, out: Effects) -> None:
-        if held.until_ns is None:
-            if now_ns >= held.due_ns:  # else `set_guard` sends it
-                self._held = None
-                out.append(refusals.unguarded(held.command, self._topic, self._guard))
-        elif now_ns - held.until_ns >= HOLD_NS:
-            self._held = None
-            out.append(refusals.stood_still(held.command, self._topic))
-        elif now_ns >= held.until_ns:
-            if self._guard == "ready":
-                self._send_held(held, now_ns, out)
-            else:
-                held.until_ns = None  # the guard comes in time, or it is too late
-
-    def _take_back(self, client: Hashable) -> bool:
-        """Drop what a client has waiting, and return whether there was something."""
-        is_held = self._held is not None and self._held.command.client == client
-        self._held = None if is_held else self._held
-        return is_held
-
-    def _send_held(self, held: Held, now_ns: int, out: Effects) -> None:
-        self._held = None
-        self._latch = TripLatch()
-        self._accept(held.command, now_ns, out)
-        self._send_pending(now_ns, out)
-
-    def _accept(self, command: Command, now_ns: int, out: Effects) -> None:
-        self._pending, self._waits = command, False
-        self._accepted_ns = now_ns
-        if not self._moves:
-            self._moves = True
-            self._commands = 0
-            self._is_by_hand = True
-            self._is_under_way = False
-            out.append(Changed())
-        self._commands += 1
-        self._is_by_hand &= command.age == "unknown"
-
-    def _send_pending(self, now_ns: int, out: Effects) -> None:
+    def _send(self, now_ns: int, out: Effects) -> None:
         """Send what is pending, unless it starts a motion and what came with it is unexplained."""
-        pending = self._pending
-        if pending is None:
+        motion, command = self._motion, self._motion.pending
+        if motion.state in STARTS and now_ns < self._burst.explained_ns and not motion.is_proved:
+            motion.on("wait")
             return
-        is_start = self._moves and not self._is_under_way and pending.age == "unknown"
-        self._waits = is_start and now_ns < self._crowd.explained_ns
-        if self._waits:
-            return
-        if self._moves:
-            self._is_under_way = True
+        if motion.on("send") == "drive":
             self._zeros.left = 0
-        self._pending = None
-        out.append(Send(pending.velocity))
+        if command is not None:
+            out.append(Send(command.velocity))
 
-    def _take_lease(self, command: Command, now_ns: int, out: Effects) -> None:
+    def _take_lease(self, command: Command, claim: LeaseEvent, now_ns: int, out: Effects) -> None:
         """Take or renew the lease. `_check` has found nothing against it."""
-        if self._lease and self._lease.holder != command.client:
-            self._hand_over(out)
-        if self._lease is None:
-            self._lease = Lease(command.client, now_ns)
+        action = self._lease.on(claim, command.client, now_ns)
+        if action in TAKING:
+            if action == "hand_over":
+                self._hand_over(now_ns, out)
             out.append(Changed())
-        self._lease.renewed_ns = now_ns
-        if not command.velocity.is_zero:
-            self._lease.driven_ns = now_ns
 
-    def _end_lease(self, client: Hashable, cause: Cause, now_ns: int, **how: bool) -> Effects:
-        self._take_back(client)
-        self._turned_away.forget(client)
+    def _lose(self, client: Hashable, reason: Reason, now_ns: int) -> Effects:
+        """Stop what a client moves, and end its lease."""
+        self._waiting.take_back(client)
+        self._refused_drivers.forget(client)
         out = self._advance(now_ns)
-        if self._lease and self._lease.holder == client:
-            if self._moves:
-                self._stop(cause, now_ns, out, **how)
-            self._lease = None
-            out.append(Changed())
+        if self._lease.holder == client:
+            self._stop(reason, now_ns, out)
+            out += self._lease.end()
         return out
 
-    def _hand_over(self, out: Effects) -> None:
+    def _hand_over(self, now_ns: int, out: Effects) -> None:
         """End a lease that another client takes: no command of the former holder goes out."""
-        held, self._held = self._held, None
-        if held:
-            out.append(refusals.taken_over(held.command, self._topic))
-        self._pending = None
-        out += self._latch.spoil()
-        self._lease = None
+        self._on_waiting("hand_over", now_ns, out)
+        self._motion.on("hand_over")
+        out += self._latch.on("move")
 
-    def _stop(
-        self,
-        cause: Cause,
-        now_ns: int,
-        out: Effects,
-        *,
-        is_asked: bool = False,
-        allows_single: bool = False,
-    ) -> None:
-        self._moves = self._waits = False
-        self._pending = self._held = None
+    def _stop(self, reason: Reason, now_ns: int, out: Effects) -> bool:
+        """Stop by the table of `STOPS`, and return whether there was something to stop."""
+        cause, event, trip = STOPS[reason]
+        if self._motion.on(event) != "stop":
+            return False
+        self._waiting.on("take_back")
         self._cause = cause
-        if not is_asked:
-            self._latch.trip(cause, allows_single=allows_single)
-        holder = self._lease.holder if self._lease else None
-        out.append(Stopped(cause, holder, self._latch.is_set and not self._latch.allows_single))
+        if trip is not None:
+            self._latch.on(trip, cause)
+        out.append(Stopped(cause, self._lease.holder, self._latch.is_tripped))
         out.append(Changed())
         out += self._zeros.begin(now_ns)
+        return True
 
-    def _tripped(self, command: Command) -> Refused:
+    def _refusal(self, command: Command, event: WaitingEvent = "refuse") -> Refused:
         if self._is_over:
             return refusals.shutting_down(command, self._topic)
-        return refusals.tripped(command, self._topic, self._latch.cause, self._guard)
+        return refusals.waited(event, command, self._topic, self._latch.cause, self._guard)

@@ -5,6 +5,7 @@ from typing import Final
 
 from gateway.drive.effects import Cause, Command, GuardState, Refused, Rules
 from gateway.drive.freshness import Age
+from gateway.drive.waiting import WaitingEvent
 
 CAUSE_TEXTS: Final[dict[Cause, str]] = {
     "zero": "it was commanded to stop",
@@ -100,6 +101,21 @@ def taken_over(command: Command, topic: str) -> Refused:
     """Refuse a command that waited, because another client has control now."""
     reason = f"topic {topic}: another client took control while the command waited: let go"
     return Refused(command, "not_lease_holder", reason)
+
+
+def waited(
+    event: WaitingEvent, command: Command, topic: str, cause: Cause | None, guard: GuardState
+) -> Refused:
+    """Refuse a command that waited, for an event that ends its time."""
+    match event:
+        case "due" | "due_unready":
+            return unguarded(command, topic, guard)
+        case "late":
+            return stood_still(command, topic)
+        case "hand_over":
+            return taken_over(command, topic)
+        case _:
+            return tripped(command, topic, cause, guard)
 
 
 def shutting_down(command: Command, topic: str) -> Refused:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 
 import pytest
 
-from gateway.drive.crowd import CROWD
+from gateway.drive.burst import BACKLOG
 from gateway.drive.drive import Drive
 from gateway.drive.effects import (
     Changed,
@@ -265,7 +265,7 @@ def test_a_command_of_a_turn_during_which_the_gateway_stood_still_does_not_go_ou
 
 
 def test_many_commands_at_once_after_a_silence_are_a_backlog(bench: Bench):
-    bench.burst([AHEAD] * (CROWD + 1))
+    bench.burst([AHEAD] * (BACKLOG + 1))
     assert bench.causes() == ["backlog"]
     assert set(bench.sent()) == {ZERO}
     bench.command()
@@ -296,16 +296,16 @@ def test_a_backlog_in_segments_does_not_move_a_robot_that_stood_still(
 def test_a_backlog_whose_first_segment_is_one_command_moves_until_the_next_one_comes(bench: Bench):
     bench.command()
     bench.wait(20)
-    bench.burst([AHEAD] * (CROWD + 4))
+    bench.burst([AHEAD] * (BACKLOG + 4))
     assert bench.causes() == ["backlog"]
     assert bench.sent()[:2] == [AHEAD, ZERO]
     assert bench.drive.status.is_tripped
 
 
 def test_a_few_commands_at_once_after_a_silence_go_out_when_time_has_explained_them(bench: Bench):
-    bench.burst([AHEAD] * CROWD)
+    bench.burst([AHEAD] * BACKLOG)
     assert bench.sent() == []
-    bench.wait((CROWD - 1) * 1000 / 120 - 0.1)
+    bench.wait((BACKLOG - 1) * 1000 / 120 - 0.1)
     assert bench.sent() == []
     bench.wait(0.1)
     assert bench.sent() == [AHEAD]
@@ -330,7 +330,7 @@ def test_no_command_waits_for_longer_than_a_backlog_is_ahead(bench: Bench):
     bench.wait(1)
     bench.sent()
     bench.command()
-    bench.wait(CROWD * 1000 / 120 - 1.1)
+    bench.wait(BACKLOG * 1000 / 120 - 1.1)
     assert bench.sent() == []
     bench.wait(0.1)
     assert bench.sent() == [AHEAD]
@@ -477,7 +477,7 @@ def test_each_end_of_a_motion_takes_back_a_command_that_waits_though_it_is_due(
 
 
 def test_a_command_that_is_proved_fresh_waits_for_nothing(bench: Bench):
-    for _ in range(2 * CROWD):
+    for _ in range(2 * BACKLOG):
         bench.take(bench.drive.command(Command("a", AHEAD, "fresh"), bench.now))
     bench.end_turn()
     assert bench.sent() == [AHEAD]
@@ -513,7 +513,7 @@ def test_a_stream_that_goes_on_is_not_a_backlog(bench: Bench):
     for _ in range(200):  # at 500 Hz
         bench.command()
         bench.wait(2)
-    bench.burst([AHEAD] * 10 * CROWD)
+    bench.burst([AHEAD] * 10 * BACKLOG)
     assert bench.refusals() == []
     assert bench.sent() == [AHEAD] * 201
 
@@ -545,7 +545,7 @@ def test_single_commands_may_be_sent_one_after_another(bench: Bench):
     assert bench.sent().count(AHEAD) == 3
 
 
-def test_a_single_command_closely_behind_a_zero_does_not_wait_and_spoils_the_reset(bench: Bench):
+def test_a_single_command_closely_behind_a_zero_does_not_wait_and_ends_the_reset(bench: Bench):
     bench.command()
     bench.wait(5000)
     bench.command(ZERO)

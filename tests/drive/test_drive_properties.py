@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from gateway.drive.drive import CROWD_GAP_NS, Drive
+from gateway.drive.decisions import BACKLOG_GAP_NS
+from gateway.drive.drive import Drive
 from gateway.drive.effects import Changed, Command, Effect, Refused, Rules, Send, Stopped
-from gateway.drive.held import GUARD_WAIT_NS, HOLD_NS
 from gateway.drive.stop import ZEROS
 from gateway.drive.trip_latch import QUIET_NS
 from gateway.drive.velocity import ZERO, Velocity
+from gateway.drive.waiting import GUARD_WAIT_NS, HOLD_NS
 
 MS = 1_000_000
 RULES = Rules(max_linear=1.0, max_angular=2.0)
@@ -231,7 +232,7 @@ class Driving(RuleBasedStateMachine):
             if e.kind == "command" and e.client == command.client and not e.velocity.is_zero
         ]
         gaps = [b.at_ns - a.at_ns for a, b in itertools.pairwise(waited)]
-        return sent <= 1 and all(gap >= CROWD_GAP_NS for gap in gaps[-1:])
+        return sent <= 1 and all(gap >= BACKLOG_GAP_NS for gap in gaps[-1:])
 
     @invariant()
     def a_stop_is_followed_by_its_zeros(self) -> None:
@@ -245,7 +246,7 @@ class Driving(RuleBasedStateMachine):
     def it_knows_no_more_than_a_command_and_a_lease(self) -> None:
         assert not any(isinstance(v, list | dict | set) for v in vars(self.drive).values())
         assert sys.getsizeof(self.drive.__dict__) < 10_000
-        assert len(self.drive._turned_away) <= len("abc")
+        assert len(self.drive._refused_drivers) <= len("abc")
 
     @invariant()
     def a_robot_that_moves_has_a_holder_a_guard_and_a_deadline(self) -> None:

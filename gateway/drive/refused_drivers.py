@@ -6,7 +6,7 @@ from collections.abc import Hashable
 from gateway.drive.effects import Command
 
 
-class TurnedAway:
+class RefusedDrivers:
     """The time at which each of them last pushed, for as long as it is connected.
 
     Its joystick does not move the robot when the other's lease ends, because that surprises people.

@@ -4,18 +4,18 @@
 They come in segments of TCP, several commands in one turn of the event loop, and the next segment a
 little later. So for a while after a silence, time must explain each command beyond the first of a
 turn: one for each `PERIOD_NS`, because the loop or the network may have stood still while a client
-sent that fast. Commands that are `CROWD` ahead of time are a backlog.
+sent that fast. Commands that are `BACKLOG` ahead of time are a backlog.
 """
 
 from collections.abc import Hashable
 from typing import Final
 
 PERIOD_NS: Final = 1_000_000_000 // 120  # XR's rate
-CROWD: Final = 12  # 100 ms of a busy loop, and less than a backlog of 1 s at 20 Hz
+BACKLOG: Final = 12  # 100 ms of a busy loop, and less than a backlog of 1 s at 20 Hz
 WATCHED_NS: Final = 250_000_000
 
 
-class Crowd:
+class Burst:
     """The commands of one client after a silence, and the time that explains all of them."""
 
     def __init__(self) -> None:
@@ -42,13 +42,13 @@ class Crowd:
         gap_ns = self.hear(client, now_ns, silence_ns)
         if not self._is_first and now_ns < self._watched_until_ns:
             # no more: a backlog needs no explanation
-            most_ns = now_ns + CROWD * PERIOD_NS
+            most_ns = now_ns + BACKLOG * PERIOD_NS
             self.explained_ns = min(self.explained_ns + PERIOD_NS, most_ns)
         self._is_first = False
         return gap_ns
 
     def end_turn(self) -> bool:
         """Return whether the commands of this turn belong to a backlog."""
-        is_backlog = self.explained_ns - (self._heard_ns or 0) >= CROWD * PERIOD_NS
+        is_backlog = self.explained_ns - (self._heard_ns or 0) >= BACKLOG * PERIOD_NS
         is_empty, self._is_first = self._is_first, True
         return is_backlog and not is_empty
