@@ -211,7 +211,7 @@ async def test_a_guard_that_is_found_lost_while_a_command_goes_out_keeps_it_back
     assert set(speeds(heard)) == {0.0}
     push(client)
     assert client.statuses[-1][0] == "tripped"
-    assert "the guard process, without which nothing moves, was lost" in client.statuses[-1][1]
+    assert "the guard process, without which nothing moves, ended or hung" in client.statuses[-1][1]
 
 
 async def test_a_gateway_that_stood_still_within_a_command_keeps_it_back(build: Build):
