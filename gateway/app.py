@@ -30,6 +30,7 @@ from gateway.diagnostics import publishing
 from gateway.ending_signals import ENDING
 from gateway.errors import ConfigError, system_reason
 from gateway.faults import Fault
+from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.log_fields import counted, text_of
 from gateway.log_rate import LogRate
 from gateway.memory import exempt_from_collection, keep_large_blocks, returning_free_memory
@@ -146,6 +147,7 @@ async def _serve(
         start = Start(router.control)
         server = Server(
             router,
+            RosbridgeFront(router),
             limits=config.limits,
             path=config.path,
             files=StaticFiles.read(PAGES, config.path),

@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.core.router import Router
+from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.sources.rclpy import open_ros
 from gateway.transport.server import Door, Server
 from schemas.installed import InstalledDefinitions
@@ -21,7 +22,7 @@ async def gateway_here(limits: Limits) -> AsyncIterator[str]:
         with ThreadPoolExecutor(1) as workers:
             types = Types(InstalledDefinitions())
             router = Router(ros, types, Table.load(), limits=limits, workers=workers, version="t")
-            server = Server(router, limits=limits)
+            server = Server(router, RosbridgeFront(router), limits=limits)
             async with server.listening(["127.0.0.1"], Door(0)) as (((_, port),),):
                 yield f"ws://127.0.0.1:{port}/"
             router.close()

@@ -19,4 +19,9 @@ def test_no_two_public_classes_have_one_name():
                 if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                     files[node.name].append(path.relative_to(ROOT).as_posix())
     assert len(files) > 300
+    # an operation of rosbridge has the name of the request that it makes
+    operations, requests = "gateway/fronts/rosbridge/operations/", "gateway/core/requests.py"
+    for paths in files.values():
+        if requests in paths:
+            paths[:] = [each for each in paths if not each.startswith(operations)]
     assert {name: paths for name, paths in files.items() if len(paths) > 1} == {}

@@ -25,7 +25,7 @@ from gateway.codec.image_encodings import RawImage
 from gateway.codec.json import dumps
 from gateway.codec.picture import picture_renderer
 from gateway.codec.types import MessageType, Types
-from gateway.fronts.rosbridge.websocket_frames import JsonFrames
+from gateway.fronts.rosbridge.publish_frames import JsonFrames
 from gateway.memory import keep_large_blocks
 from gateway.sources.rclpy.ready_events import EventfdReadyEvents
 from gateway.sources.rclpy.samples import Samples

@@ -22,6 +22,7 @@ from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.core.rosapi import interfaces_prefix
 from gateway.core.router import Router
+from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.memory import keep_large_blocks
 from gateway.sources.rclpy import RosOptions, open_ros
 from schemas.installed import InstalledDefinitions, installed_prefixes
@@ -51,12 +52,13 @@ async def _measure() -> list[Figure]:
             router = Router(
                 ros, types, Table.load(), limits=Limits(), workers=workers, version="benchmark"
             )
+            front = RosbridgeFront(router)
             with contextlib.closing(router):
                 gc.freeze()  # as the gateway does when it is ready
                 found = sorted(
-                    (_held_ms(router, frame) for frame in _full_size(worst)), reverse=True
+                    (_held_ms(front, frame) for frame in _full_size(worst)), reverse=True
                 )
-                plain = sorted((_held_ms(router, frame) for frame in plain_frames()), reverse=True)
+                plain = sorted((_held_ms(front, frame) for frame in plain_frames()), reverse=True)
                 gc.unfreeze()
     print(f"CPU ms of the event loop for one frame, best of {_REPEATS}, and the first time")
     print(f"  {'ms':>8}{'first':>8}{'bytes':>10}  frame")
@@ -94,16 +96,16 @@ def _full_size(worst: list[Bomb]) -> Iterator[HostileFrame]:
             yield bomb.frame(count)
 
 
-def _held_ms(router: Router, frame: HostileFrame) -> tuple[float, float, HostileFrame]:
+def _held_ms(front: RosbridgeFront, frame: HostileFrame) -> tuple[float, float, HostileFrame]:
     """Return the thread's time for a frame that comes again, and for the first."""
-    session = router.enter(lambda: None)
+    session = front.open(lambda: None)
     left: list[Callable[[], None]] = []  # for the next turn of the loop
     session.next_turn = left.append
     try:
 
         def longest_ms() -> float:
             """Return the longest one of the turns in which it is read and carried out."""
-            longest_ms = _thread_ms(lambda: router.receive(session, frame.data))
+            longest_ms = _thread_ms(lambda: front.receive(session, frame.data))
             while left:
                 longest_ms = max(longest_ms, _thread_ms(left.pop(0)))
             return longest_ms
@@ -117,7 +119,7 @@ def _held_ms(router: Router, frame: HostileFrame) -> tuple[float, float, Hostile
         first_ms = receive_ms()
         return min(receive_ms() for _ in range(_REPEATS)), first_ms, frame
     finally:
-        router.leave(session)
+        front.core.leave(session)
 
 
 def _thread_ms(work: Callable[[], object]) -> float:

@@ -26,6 +26,7 @@ from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.core.rosapi import interfaces_prefix
 from gateway.core.router import Router
+from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.memory import keep_large_blocks
 from gateway.sources.rclpy import RosOptions, open_ros
 from gateway.transport.server import Door, Server
@@ -82,7 +83,7 @@ async def _measure(turns: _Turns) -> list[Figure]:
                 ros, types, Table.load(), limits=limits, workers=workers, version="benchmark"
             )
             with contextlib.closing(router):
-                server = Server(router, limits=limits)
+                server = Server(router, RosbridgeFront(router), limits=limits)
                 async with server.listening(["127.0.0.1"], Door(0)) as (((_, port),),):
                     gc.freeze()  # as the gateway does when it is ready
                     rows = [

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from gateway.config.limits import Limits
 from gateway.core.errors import ProtocolError, over_limit
-from gateway.fronts.rosbridge.session import Session
+from gateway.core.session import Session
 
 
 class EntityUser(Protocol):

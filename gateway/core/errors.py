@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import ClassVar, Final, Literal, NamedTuple
 
 Level = Literal["none", "error", "warning", "info"]
+SEVERITY: Final[Mapping[Level, int]] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 
 StatusCode = Literal[
     "bad_json",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Permission checks of operations, before anything is done or created.
+"""Permission checks of requests, before anything is done or created.
 
-This is the one place where an operation is allowed or refused, on the resolved name. Parameters are
+This is the one place where a request is allowed or refused, on the resolved name. Parameters are
 the exception: their node is known later, so `check_call` is asked there. A name that is hidden from
 a client gets the answer that a name which does not exist would get.
 """
@@ -9,48 +9,40 @@ a client gets the answer that a name which does not exist would get.
 from typing import Final, NamedTuple
 
 from gateway.access.permissions import SEND_GOAL, Action, Permissions
+from gateway.core import requests
 from gateway.core.errors import ProtocolError, unknown_topic
 from gateway.core.names import resolve_action, resolve_service, resolve_topic
-from gateway.fronts.rosbridge.operations import (
-    ClientOperation,
-    actions,
-    gateway,
-    services,
-    topics,
-    transforms,
-)
-from gateway.fronts.rosbridge.session import NOT_AUTHENTICATED, Session
+from gateway.core.requests import Request
+from gateway.core.session import Session
 
 _TRANSFORMS: Final = ("/tf", "/tf_static")
 _TO_TRUST: Final = ": to let this page do more, add its origin to the setting allowed_origins"
 
 
 class _Need(NamedTuple):
-    """A permission that an operation needs, and the answer if a name does not exist."""
+    """A permission that an request needs, and the answer if a name does not exist."""
 
     action: Action
     names: tuple[str, ...]
     doing: str
-    absent: str | None  # None: an operation that makes names is refused in any case,
+    absent: str | None  # None: a request that makes names is refused in any case,
     makes: bool = False  # as this one would be, of a name that is absent
     part: str = ""  # of what a name stands for: the service that takes an action's goals
 
 
-def may_carry_out(session: Session, operation: ClientOperation, *, is_of_tf: bool = False) -> bool:
-    """Return whether to carry out an operation. False if it was answered as for an absent name.
+def may_carry_out(session: Session, request: Request, *, is_of_tf: bool = False) -> bool:
+    """Return whether to carry out an request. False if it was answered as for an absent name.
 
-    Call it only for restricted sessions: the others may do everything. An operation *is_of_tf* if
+    Call it only for restricted sessions: the others may do everything. An request *is_of_tf* if
     the gateway answers it with transforms: whatever its name is, it takes what those take.
 
     Raises:
         ProtocolError: ``forbidden``, or as for a name that does not exist, or the name is invalid.
     """
     if session.identity is None:
-        if isinstance(operation, gateway.Auth):
-            return True
-        raise ProtocolError("forbidden", NOT_AUTHENTICATED)
+        raise ProtocolError("forbidden", session.NOT_AUTHENTICATED)
     permissions = session.identity.permissions
-    need = _need(operation, session.limits.max_name_characters)
+    need = _need(request, session.limits.max_name_characters)
     if need is not None and is_of_tf:
         need = need._replace(
             action="subscribe", names=_TRANSFORMS, doing="subscribing to", makes=False, part=""
@@ -59,9 +51,9 @@ def may_carry_out(session: Session, operation: ClientOperation, *, is_of_tf: boo
         assert need is not None  # noqa: S101  # else there are no names
         if need.absent is not None and not need.makes and not permissions.sees(name):
             absent = ProtocolError("not_found", need.absent)
-            if isinstance(operation, topics.Subscribe):  # which would wait for the topic
-                if operation.type is None:
-                    session.warn(absent, operation.op, operation.id)
+            if isinstance(request, requests.Subscribe):  # which would wait for the topic
+                if request.type is None:
+                    session.warn(absent, request)
                 return False
             raise absent
         _check(permissions, need.action, name, need.doing, need.part)
@@ -99,33 +91,33 @@ def _check(permissions: Permissions, action: Action, name: str, doing: str, part
     raise ProtocolError("forbidden", f"{doing} {name} {who}, {client}{remedy}")
 
 
-def _need(operation: ClientOperation, longest: int) -> _Need | None:
-    if not operation.needs_permission:
+def _need(request: Request, longest: int) -> _Need | None:
+    if not request.needs_permission:
         return None
-    match operation:
-        case topics.Subscribe():
-            topic = resolve_topic(operation.topic, longest)
+    match request:
+        case requests.Subscribe():
+            topic = resolve_topic(request.topic, longest)
             absent = f"topic {topic} is not known yet, waiting for it"
             return _Need("subscribe", (topic,), "subscribing to", absent)
-        case topics.Publish() | topics.Advertise():
-            topic = resolve_topic(operation.topic, longest)
-            makes = operation.type is not None
+        case requests.Publish() | requests.Advertise():
+            topic = resolve_topic(request.topic, longest)
+            makes = request.type is not None
             return _Need("publish", (topic,), "publishing on", unknown_topic(topic), makes)
-        case services.CallService():
-            service = resolve_service(operation.service, longest)
+        case requests.CallService():
+            service = resolve_service(request.service, longest)
             return _Need("call", (service,), "calling", f"service {service} does not exist")
-        case actions.SendActionGoal():
-            action = resolve_action(operation.action, longest)
+        case requests.SendActionGoal():
+            action = resolve_action(request.action, longest)
             absent = f"action {action} does not exist"
             return _Need("call", (action,), "sending goals to", absent, part=SEND_GOAL)
-        case services.AdvertiseService():
-            service = resolve_service(operation.service, longest)
+        case requests.AdvertiseService():
+            service = resolve_service(request.service, longest)
             return _Need("publish", (service,), "providing service", None)
-        case actions.AdvertiseAction():
-            action = resolve_action(operation.action, longest)
+        case requests.AdvertiseAction():
+            action = resolve_action(request.action, longest)
             return _Need("publish", (action,), "providing action", None)
-        case transforms.LookupTransform():
-            absent = f"frame {operation.target_frame!r} is unknown"
+        case requests.LookupTransform():
+            absent = f"frame {request.target_frame!r} is unknown"
             return _Need("subscribe", _TRANSFORMS, "subscribing to", absent)
         case _:
-            raise ProtocolError("forbidden", f"{operation.op} requires a role without limits")
+            raise ProtocolError("forbidden", f"{request.kind} requires a role without limits")

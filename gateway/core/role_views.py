@@ -11,8 +11,8 @@ from gateway.core.introspection.parameter_operations import ParameterOperations
 from gateway.core.permission_checks import check_call
 from gateway.core.rosapi import Parameters, Rosapi
 from gateway.core.service_clients import ServiceClients
+from gateway.core.session import Session
 from gateway.core.visible_graph import VisibleGraph
-from gateway.fronts.rosbridge.session import Session
 from gateway.sources.source import Ros
 
 

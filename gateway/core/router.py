@@ -6,14 +6,15 @@ import logging
 import time
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import partial
-from typing import Any, Final, Protocol, TypeVar, assert_never, cast
+from typing import Any, Protocol, TypeVar
 
 from gateway.access.audit import Audit
-from gateway.access.permissions import UNLIMITED, Identity
 from gateway.codec.types import Types
 from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
+from gateway.core import requests
 from gateway.core.actions.client_actions import ClientActions
 from gateway.core.actions.goals import Goals
 from gateway.core.commands.commands import Commands
@@ -22,16 +23,17 @@ from gateway.core.entity_shares import EntityShares
 from gateway.core.errors import ProtocolError
 from gateway.core.interface_types import InterfaceTypes
 from gateway.core.introspection.descriptions import Descriptions
-from gateway.core.introspection.introspection import Introspection
-from gateway.core.large_messages import LargeMessages
+from gateway.core.introspection.introspection import Introspection, seen_by
 from gateway.core.learned_types import LearnedTypes
 from gateway.core.missing_parts import complete
 from gateway.core.names import resolve_topic
 from gateway.core.permission_checks import may_carry_out
+from gateway.core.requests import ImageFormat, Request
 from gateway.core.role_views import RoleViews
 from gateway.core.service_clients import ServiceClients
 from gateway.core.services.client_services import ClientServices
 from gateway.core.services.service_calls import ServiceCalls
+from gateway.core.session import Session
 from gateway.core.tasks import ASKING_S, FAILURES, Tasks, refuse
 from gateway.core.topic_counts import CountsByTopic
 from gateway.core.topic_events import TopicEvents
@@ -40,27 +42,11 @@ from gateway.core.topics.publications import Publications
 from gateway.core.topics.published_pictures import PublishedPictures
 from gateway.core.topics.subscriptions import Subscriptions
 from gateway.core.transforms.lookups import TransformLookups
-from gateway.core.transforms.republisher import TfRepublisher
+from gateway.core.transforms.republications import Republications
 from gateway.core.transforms.tf_listener import TfListener
-from gateway.fronts.rosbridge.operations import (
-    ClientOperation,
-    actions,
-    commands,
-    gateway,
-    parameters,
-    services,
-    topics,
-    transforms,
-)
-from gateway.fronts.rosbridge.operations.base import Operation
-from gateway.fronts.rosbridge.operations.topics import ImageFormat
-from gateway.fronts.rosbridge.session import Session
 from gateway.metrics.state import ControlState, Traffic
-from gateway.sources.source import Source
+from gateway.sources.source import Graph, Source
 from schemas.table import Table
-
-# To read 10 MB of text takes up to 16 ms, as 15 KB of CBOR do. To carry it out may take as long.
-LARGE_MESSAGE_BYTES: Final = 8 * 1024
 
 
 class SessionOwner(Protocol):
@@ -70,7 +56,7 @@ class SessionOwner(Protocol):
         """Close and forget everything of a client in this part."""
 
 
-_Operation = TypeVar("_Operation", bound=ClientOperation)
+_Asked = TypeVar("_Asked", bound=Request)
 
 
 class Router:
@@ -101,14 +87,13 @@ class Router:
         )
         topic_types = TopicTypes(ros, types, table, self._learned.ask)
         interface_types = InterfaceTypes(ros, types)
-        self._ros = ros
-        self._limits = limits
+        self.ros = ros
+        self.limits = limits
         self._image_format = image_format
         self._audit = audit or Audit(time.time_ns, level=logging.DEBUG)
         self._counts = CountsByTopic()
         self._events = TopicEvents()
         self._sessions: set[Session] = set()
-        self._large = LargeMessages(self._carry_out_if_allowed)
         self._calling = Tasks()
         # with separate limits: a call may take an hour, a lookup a minute
         self._asking = Tasks()
@@ -132,7 +117,8 @@ class Router:
         self._actions = ClientActions(ros, interface_types)
         self._listener = TfListener(ros, topic_types)
         self._transforms = TransformLookups(self._listener)
-        self._republisher = TfRepublisher(ros, self._listener)
+        self.republications = Republications(self._listener)
+        self._of_fronts: list[SessionOwner] = []
         descriptions = Descriptions(topic_types, interface_types, types.definitions)
         self._introspection = Introspection(
             ros, descriptions, self._subscriptions, limits=limits, version=version
@@ -147,17 +133,12 @@ class Router:
         self._shares = EntityShares(limits, using)
         self._watch = ros.watch_graph(self._on_graph_change)
 
-    def enter(
-        self,
-        wake: Callable[[], None],
-        address: str = "",
-        identity: Identity | None = UNLIMITED,
-    ) -> Session:
-        """Open a session. It calls *wake* whenever its outbox has something to send.
+    def join(self, part: SessionOwner) -> None:
+        """Let a part of a front forget each session that leaves."""
+        self._of_fronts.append(part)
 
-        *identity* is ``None`` for a client that has yet to authenticate.
-        """
-        session = Session(self._limits, wake, identity)
+    def enter(self, session: Session, address: str = "") -> None:
+        """Take in a client that a front has opened a session for."""
         session.address = address
         session.image_format = self._image_format
         session.check_share = partial(self._shares.check, session)
@@ -165,33 +146,28 @@ class Router:
         session.on_forbidden = partial(self._record_forbidden, session)
         self._shares.enter(session, address)
         self._sessions.add(session)
-        return session
 
-    def receive(self, session: Session, data: bytes) -> None:
-        """Carry out one message of a client. Every error is answered."""
-        operation = session.receive(data, time.monotonic_ns())
-        if operation is None:
-            return
-        if session.read_bytes > LARGE_MESSAGE_BYTES:
-            self._large.receive(session, operation)
-        else:  # which is not read in slices
-            self._carry_out_if_allowed(session, cast("ClientOperation", operation))
+    def carry_out(
+        self, session: Session, request: Request, instead: Callable[[], None] | None = None
+    ) -> None:
+        """Carry out a request of a client. Every error is answered.
 
-    def _carry_out_if_allowed(self, session: Session, operation: ClientOperation) -> None:
-        if session.deferred and not isinstance(operation, topics.Publish):
+        A front may do something *instead*: answer with transforms. Then the request takes the
+        permission that those take.
+        """
+        if session.deferred and not isinstance(request, requests.Publish):
             self.end_turn(session)
         try:
-            work = self._republisher.work(session, operation)
-            is_of_tf = work is not None
-            if not session.is_restricted or may_carry_out(session, operation, is_of_tf=is_of_tf):
-                if work is None:
-                    self._carry_out(session, operation)
+            is_of_tf = instead is not None
+            if not session.is_restricted or may_carry_out(session, request, is_of_tf=is_of_tf):
+                if instead is None:
+                    self._carry_out(session, request)
                 else:
-                    work()
+                    instead()
         except FAILURES as error:
-            refuse(session, operation, error)
+            refuse(session, request, error)
 
-    def view(self, session: Session, request: topics.Subscribe) -> str:
+    def view(self, session: Session, request: requests.Subscribe) -> str:
         """Subscribe a viewer of pictures, and return the resolved name of its topic.
 
         It hears of errors at once, and waits for no topic.
@@ -208,17 +184,21 @@ class Router:
                 session.on_forbidden(error, request)
                 raise
         # by one name, so that all who look at it share its pictures
-        self._subscriptions.view(session, request.model_copy(update={"topic": name}))
+        self._subscriptions.view(session, replace(request, topic=name))
         return name
+
+    def graph_seen_by(self, session: Session) -> Graph:
+        """Return the graph without the names that are hidden from a client."""
+        return seen_by(session, self.ros.graph())
 
     def end_turn(self, session: Session) -> None:
         """Do what the operations of a client deferred until others have their turn."""
         deferred, session.deferred = session.deferred, {}
-        for operation, work in deferred.values():
+        for request, work in deferred.values():
             try:
                 work()
             except FAILURES as error:
-                refuse(session, operation, error)
+                refuse(session, request, error)
 
     def leave(self, session: Session) -> None:
         """Close every ROS entity of a client, and forget the client."""
@@ -266,13 +246,13 @@ class Router:
 
     def shared_names(self) -> Sequence[str]:
         """Return the names that several nodes of the graph have."""
-        return self._ros.diagnosis.shared_names()
+        return self.ros.diagnosis.shared_names()
 
     def counts(self) -> dict[str, int]:
         """Count the open sessions and entities, for health reports."""
         return {
             "clients": len(self._sessions),
-            "ros_entities": self._ros.diagnosis.entity_count(),
+            "ros_entities": self.ros.diagnosis.entity_count(),
             "subscriptions": self._subscriptions.topics,
             "publishers": self._publications.publishers + self._commands.publishers,
             "services": self._services.services,
@@ -282,95 +262,84 @@ class Router:
             "calls": sum(map(len, (self._calling, self._asking, self._looking)))
             + self._services.pending,
             "goals": self._goals.under_way + self._actions.pending,
-            "transforms": self._transforms.periodic + self._republisher.arrays,
+            "transforms": self._transforms.periodic + len(self.republications),
         }
 
-    # as long as there are operations: one case each
+    # as long as there are requests: one case each
     def _carry_out(  # noqa: C901, PLR0912, PLR0915
-        self, session: Session, operation: ClientOperation
+        self, session: Session, request: Request
     ) -> None:
-        match operation:
-            case topics.Publish():
-                self._publications.publish(session, operation)
-            case topics.Subscribe():
-                self._subscriptions.subscribe(session, operation)
-            case topics.Unsubscribe():
-                self._subscriptions.unsubscribe(session, operation)
-            case topics.Advertise():
-                self._publications.advertise(session, operation)
-            case topics.Unadvertise():
-                self._publications.unadvertise(session, operation)
-            case services.CallService():
-                self._service_calls.call(session, operation)
-            case services.AdvertiseService():
-                self._services.advertise(session, operation)
-            case services.UnadvertiseService():
-                self._services.unadvertise(session, operation)
-            case services.ServiceResponse():
-                self._services.respond(session, operation)
-            case actions.SendActionGoal():
-                self._goals.send(session, operation)
-            case actions.CancelActionGoal():
-                self._goals.cancel(session, operation)
-            case actions.AdvertiseAction():
-                self._actions.advertise(session, operation)
-            case actions.UnadvertiseAction():
-                self._actions.unadvertise(session, operation)
-            case actions.ActionFeedback():
-                self._actions.feedback(session, operation)
-            case actions.ActionResult():
-                self._actions.finish(session, operation)
-            case (
-                parameters.ListParameters()
-                | parameters.GetParameters()
-                | parameters.SetParameters()
-                | parameters.DescribeParameters()
-            ):
-                self._ask_node(session, operation)
-            case transforms.LookupTransform(rate=None):
-                self._answer_later(session, operation, self._transforms.lookup, self._looking)
-            case transforms.LookupTransform():
-                self._transforms.watch(session, operation)
-            case transforms.CancelTransform():
-                self._transforms.cancel(session, operation)
-            case commands.Stop():
-                self._commands.stop(session, operation)
-            case commands.AcquireControl():
-                self._commands.acquire(session, operation)
-            case commands.ReleaseControl():
-                self._commands.release(session, operation)
-            case commands.Control():
-                self._commands.control(session, operation)
-            case gateway.Ping():
-                self._introspection.ping(session, operation)
-            case gateway.Hello():
-                self._introspection.hello(session, operation)
-            case gateway.Help():
-                self._introspection.help(session, operation)
-            case gateway.Describe():
-                self._introspection.describe(session, operation)
-            case gateway.Generate():
-                self._generate(session, operation)
-            case gateway.FetchAsset():
-                self._answer_later(session, operation, self._introspection.fetch, self._asking)
-            case gateway.GraphRequest():
-                self._introspection.graph(session, operation)
-            case gateway.Events():
-                self._events.watch(session, operation)
-            case gateway.SetLevel():
-                session.set_level(operation.level)
-            case gateway.Auth():
-                session.authenticate(operation)
+        match request:
+            case requests.Publish():
+                self._publications.publish(session, request)
+            case requests.Subscribe():
+                self._subscriptions.subscribe(session, request)
+            case requests.Unsubscribe():
+                self._subscriptions.unsubscribe(session, request)
+            case requests.Advertise():
+                self._publications.advertise(session, request)
+            case requests.Unadvertise():
+                self._publications.unadvertise(session, request)
+            case requests.CallService():
+                self._service_calls.call(session, request)
+            case requests.AdvertiseService():
+                self._services.advertise(session, request)
+            case requests.UnadvertiseService():
+                self._services.unadvertise(session, request)
+            case requests.ServiceResponse():
+                self._services.respond(session, request)
+            case requests.SendActionGoal():
+                self._goals.send(session, request)
+            case requests.CancelActionGoal():
+                self._goals.cancel(session, request)
+            case requests.AdvertiseAction():
+                self._actions.advertise(session, request)
+            case requests.UnadvertiseAction():
+                self._actions.unadvertise(session, request)
+            case requests.ActionFeedback():
+                self._actions.feedback(session, request)
+            case requests.ActionResult():
+                self._actions.finish(session, request)
+            case requests.ParameterRequest():
+                self._ask_node(session, request)
+            case requests.LookupTransform(rate=None):
+                self._answer_later(session, request, self._transforms.lookup, self._looking)
+            case requests.LookupTransform():
+                self._transforms.watch(session, request)
+            case requests.CancelTransform():
+                self._transforms.cancel(session, request)
+            case requests.Stop():
+                self._commands.stop(session, request)
+            case requests.AcquireControl():
+                self._commands.acquire(session, request)
+            case requests.ReleaseControl():
+                self._commands.release(session, request)
+            case requests.Control():
+                self._commands.control(session, request)
+            case requests.Ping():
+                self._introspection.ping(session, request)
+            case requests.Hello():
+                self._introspection.hello(session, request)
+            case requests.Describe():
+                self._introspection.describe(session, request)
+            case requests.Generate():
+                self._generate(session, request)
+            case requests.FetchAsset():
+                self._answer_later(session, request, self._introspection.fetch, self._asking)
+            case requests.GraphRequest():
+                self._introspection.graph(session, request)
+            case requests.Events():
+                self._events.watch(session, request)
             case _:
-                assert_never(operation)
+                raise TypeError(request.kind)
 
-    def _ask_node(self, session: Session, operation: parameters.ParameterOperation) -> None:
+    def _ask_node(self, session: Session, request: requests.ParameterRequest) -> None:
         work = self._views.of(session).parameters.carry_out
-        self._answer_later(session, operation, work, self._asking)
+        self._answer_later(session, request, work, self._asking)
 
-    def _generate(self, session: Session, operation: gateway.Generate) -> None:
+    def _generate(self, session: Session, request: requests.Generate) -> None:
         write = partial(self._introspection.generate, session)
-        self._answer_later(session, operation, write, self._asking)
+        self._answer_later(session, request, write, self._asking)
 
     def _parts(self) -> tuple[SessionOwner, ...]:
         return (
@@ -380,7 +349,8 @@ class Router:
             self._introspection,
             self._events,
             self._transforms,
-            self._republisher,
+            self.republications,
+            *self._of_fronts,
             self._subscriptions,
             self._publications,
             self._services,
@@ -389,9 +359,7 @@ class Router:
             self._commands,  # the last one leaves first
         )
 
-    def _record_forbidden(
-        self, session: Session, error: ProtocolError, operation: Operation
-    ) -> None:
+    def _record_forbidden(self, session: Session, error: ProtocolError, request: Request) -> None:
         if session.identity is not None:  # else it is still at the door
             self._audit.record(
                 "forbidden",
@@ -399,21 +367,21 @@ class Router:
                 name=session.identity.name,
                 role=session.identity.role,
                 address=session.address,
-                op=operation.op,
+                op=request.kind,
                 reason=str(error),
             )
 
     def _answer_later(
         self,
         session: Session,
-        operation: _Operation,
-        work: Callable[[_Operation], Awaitable[dict[str, Any]]],
+        request: _Asked,
+        work: Callable[[_Asked], Awaitable[dict[str, Any]]],
         tasks: Tasks,
     ) -> None:
         async def answer() -> None:
-            session.answer(operation.op, operation.id, **await work(operation))
+            session.answer(request.kind, request.id, **await work(request))
 
-        tasks.start(session, operation, answer, Deadline.within(ASKING_S))
+        tasks.start(session, request, answer, Deadline.within(ASKING_S))
 
     def _on_types_learned(self) -> None:
         self._subscriptions.refresh()

@@ -5,7 +5,8 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from gateway.core.errors import ProtocolError
-from gateway.fronts.rosbridge.session import Session
+from gateway.core.requests import Request
+from gateway.core.session import Session
 from gateway.sources.source import ServerInfo
 
 MAX_NAMED: Final = 4  # nodes of one name. A text for people
@@ -32,9 +33,7 @@ def nodes_of(name: str, servers: Iterable[ServerInfo]) -> Sequence[str]:
     return next((each.nodes for each in servers if each.name == name), ())
 
 
-def warn_of_others(
-    session: Session, subject: str, nodes: Sequence[str], op: str, request_id: str | int | None
-) -> None:
+def warn_of_others(session: Session, subject: str, nodes: Sequence[str], request: Request) -> None:
     """Warn a client that ROS nodes provide the same: which of them answers is left to chance."""
     if not nodes:
         return
@@ -42,4 +41,4 @@ def warn_of_others(
     seen = [node for node in nodes if session.sees(node)][:MAX_NAMED]
     who = " and ".join(seen) or "a ROS node"
     text = f"{subject} is also provided by {who}, so both answer each call: choose another name"
-    session.warn(ProtocolError("already_provided", text), op, request_id)
+    session.warn(ProtocolError("already_provided", text), request)

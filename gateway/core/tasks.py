@@ -11,8 +11,8 @@ from typing import Any, Final
 from gateway.codec.error_text import truncate
 from gateway.core.deadline import Deadline
 from gateway.core.errors import ProtocolError, over_limit
-from gateway.fronts.rosbridge.operations import ClientOperation
-from gateway.fronts.rosbridge.session import Session
+from gateway.core.requests import Request
+from gateway.core.session import Session
 from gateway.sources.source import RosError
 
 MAX_WAITING_CALLS: Final = 256  # a page that asks for all parameters of a robot when it starts
@@ -44,7 +44,7 @@ class Tasks:
     def start(
         self,
         session: Session,
-        operation: ClientOperation,
+        request: Request,
         work: Callable[[], Awaitable[None]],
         deadline: Deadline,
     ) -> None:
@@ -63,7 +63,7 @@ class Tasks:
         if len(own.tasks) >= limit:
             raise over_limit(limit, "unfinished calls per client", "max_pending_calls")
         loop = asyncio.get_running_loop()
-        running = _run(own.slots, session, operation, work, deadline)
+        running = _run(own.slots, session, request, work, deadline)
         task = loop.create_task(Metered(running, session))
         own.tasks.add(task)
         task.add_done_callback(own.tasks.discard)
@@ -112,37 +112,35 @@ class Metered(Coroutine[Any, Any, None]):
         self._session.spend(now_s - start_s, now_s)
 
 
-def refuse(session: Session, operation: ClientOperation, error: Exception) -> None:
+def refuse(session: Session, request: Request, error: Exception) -> None:
     """Answer an operation that has failed by one of `FAILURES`."""
     match error:
         case ProtocolError():
-            session.refuse(error, operation)
+            session.refuse(error, request)
         case RosError():
-            session.refuse(ProtocolError(error.code, truncate(str(error))), operation)
+            session.refuse(ProtocolError(error.code, truncate(str(error))), request)
         case OSError():
             reason = (error.strerror or type(error).__name__).lower()  # its text may name a file
             extra = {"client": session.client}
-            logger.warning("%s failed: %s", operation.op, reason, extra=extra)
-            session.refuse(ProtocolError("internal", f"the gateway's machine: {reason}"), operation)
+            logger.warning("%s failed: %s", request.kind, reason, extra=extra)
+            session.refuse(ProtocolError("internal", f"the gateway's machine: {reason}"), request)
 
 
-async def answered(
-    session: Session, operation: ClientOperation, work: Callable[[], Awaitable[None]]
-) -> None:
-    """Do *work*. If it fails, the error is the answer to the operation."""
+async def answered(session: Session, request: Request, work: Callable[[], Awaitable[None]]) -> None:
+    """Do *work*. If it fails, the error is the answer to the request."""
     try:
         await work()
     except FAILURES as error:
-        refuse(session, operation, error)
+        refuse(session, request, error)
     except Exception:  # our bug: this client is told, the others are unharmed
-        logger.exception("%s failed", operation.op, extra={"client": session.client})
-        session.refuse(ProtocolError("internal", "a fault of the gateway: see its log"), operation)
+        logger.exception("%s failed", request.kind, extra={"client": session.client})
+        session.refuse(ProtocolError("internal", "a fault of the gateway: see its log"), request)
 
 
 async def _run(
     slots: asyncio.Semaphore,
     session: Session,
-    operation: ClientOperation,
+    request: Request,
     work: Callable[[], Awaitable[None]],
     deadline: Deadline,
 ) -> None:
@@ -152,9 +150,9 @@ async def _run(
     except TimeoutError:
         waiting = session.limits.max_pending_calls
         text = f"{waiting} other calls of this client still wait for an answer: send fewer at once"
-        session.refuse(ProtocolError("timeout", text), operation)
+        session.refuse(ProtocolError("timeout", text), request)
         return
     try:
-        await answered(session, operation, work)
+        await answered(session, request, work)
     finally:
         slots.release()

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from gateway.core.errors import ProtocolError
+from gateway.core.requests import Events
+from gateway.core.session import Session
 from gateway.core.token_bucket import TokenBucket
-from gateway.fronts.rosbridge.operations.gateway import Events
-from gateway.fronts.rosbridge.session import Session
 from gateway.sources.source import TopicEvent
 
 # A robot that shuts down is some hundred events at once. A topic that flaps must not fill the queue

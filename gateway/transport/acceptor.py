@@ -10,8 +10,8 @@ from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
 from gateway.config.limits import Limits
-from gateway.fronts.rosbridge.session import Session
 from gateway.transport.end import End
+from gateway.transport.front import ClientSession
 from gateway.transport.time_budget import TimeBudgets
 
 if TYPE_CHECKING:  # it imports this
@@ -42,14 +42,14 @@ class Acceptor(Protocol):
     def malformed(self, start: bytes) -> bytes:
         """Return the response to bytes that begin like this and are not an HTTP request."""
 
-    def enter(self, connection: Connection, request: Request) -> Session | None:
+    def enter(self, connection: Connection, request: Request) -> ClientSession | None:
         """Open the session of a client after its handshake, or ``None`` if it was turned away."""
 
-    def receive(self, session: Session, data: bytes) -> None:
+    def receive(self, session: ClientSession, data: bytes) -> None:
         """Carry out one message."""
 
-    def end_turn(self, session: Session) -> None:
+    def end_turn(self, session: ClientSession) -> None:
         """Carry out work that was deferred until the others have had their turn."""
 
-    def left(self, connection: Connection, session: Session | None, end: End) -> None:
+    def left(self, connection: Connection, session: ClientSession | None, end: End) -> None:
         """Forget a connection that is gone."""

@@ -5,6 +5,7 @@ import logging
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Final, Protocol
 
 from websockets.datastructures import Headers
@@ -18,8 +19,7 @@ from gateway.access.tokens import Tokens
 from gateway.access.web_rules import WebRules
 from gateway.config.access import AccessConfig
 from gateway.core.errors import ProtocolError, StatusCode
-from gateway.fronts.rosbridge.operations.gateway import Auth
-from gateway.fronts.rosbridge.session import Session
+from gateway.core.requests import Request as CoreRequest
 from gateway.transport.close_codes import (
     GOING_AWAY,
     OVER_CAPACITY,
@@ -27,6 +27,7 @@ from gateway.transport.close_codes import (
     ROLE_REMOVED,
     UNAUTHENTICATED,
 )
+from gateway.transport.front import ClientSession
 from gateway.transport.http import Asker, offered_subprotocols
 
 # Operations that are refused with an answer before a client is cut off. A page may subscribe to all
@@ -45,7 +46,7 @@ class Entrant(Protocol):
         """The address and number, for the log."""
 
     @property
-    def session(self) -> Session | None:
+    def session(self) -> ClientSession | None:
         """The session, while the WebSocket is open."""
 
     def close(self, code: int, reason: str) -> None:
@@ -124,9 +125,11 @@ class Admission:
             raise TurnedAwayError(UNAUTHENTICATED, "forbidden", reason)
         return identity
 
-    def enter(self, entrant: Entrant, session: Session, request: Request, now_s: float) -> None:
+    def enter(
+        self, entrant: Entrant, session: ClientSession, request: Request, now_s: float
+    ) -> None:
         """Take note of a client whose session has begun."""
-        session.authenticate = lambda operation: self._authenticate(entrant, session, operation)
+        session.authenticate = partial(self._authenticate, entrant, session)
         if session.identity is not None:
             self._record_connected(session, _shown_origin(request.headers))
             return
@@ -150,7 +153,7 @@ class Admission:
                 self.failures["timeout"] += 1
                 self._turn_away(entrant, UNAUTHENTICATED, reason)
 
-    def left(self, entrant: Entrant, session: Session | None) -> None:
+    def left(self, entrant: Entrant, session: ClientSession | None) -> None:
         """Forget a client."""
         self._waiting.pop(entrant, None)
         if session is not None and session.identity is not None:
@@ -164,8 +167,8 @@ class Admission:
             )
 
     def reload(
-        self, tokens: Tokens, policy: Policy, clients: Iterable[tuple[Entrant, Session]]
-    ) -> list[Session]:
+        self, tokens: Tokens, policy: Policy, clients: Iterable[tuple[Entrant, ClientSession]]
+    ) -> list[ClientSession]:
         """Use other tokens and permissions, and close the clients that these no longer fit.
 
         A client whose permissions have changed is also closed, so everything that it has open ends.
@@ -202,13 +205,15 @@ class Admission:
             ended.append(session)
         return ended
 
-    def _authenticate(self, entrant: Entrant, session: Session, operation: Auth) -> None:
-        """Carry out an `auth` operation.
+    def _authenticate(
+        self, entrant: Entrant, session: ClientSession, token: str | None, request: CoreRequest
+    ) -> None:
+        """Take the token of a client.
 
         Raises:
             ProtocolError: the token is missing, or the client has signed in already.
         """
-        if operation.token is None:
+        if token is None:
             if session.identity is None:
                 raise ProtocolError(
                     "bad_request",
@@ -217,17 +222,17 @@ class Admission:
             return  # from an old client, which needs no token
         if self._authentication.looks_at_tokens:
             try:
-                self._take_token(entrant, session, operation.token)
+                self._take_token(entrant, session, token)
             except TurnedAwayError as error:
-                session.refuse(ProtocolError(error.status, str(error)), operation)
+                session.refuse(ProtocolError(error.status, str(error)), request)
                 self._waiting.pop(entrant, None)
                 entrant.close(error.close_code, str(error))
                 return
-        if operation.id is not None and session.identity is not None:
+        if request.id is not None and session.identity is not None:
             identity = session.identity
-            session.answer("auth", operation.id, name=identity.name, role=identity.role)
+            session.answer(request.kind, request.id, name=identity.name, role=identity.role)
 
-    def _take_token(self, entrant: Entrant, session: Session, token: str) -> None:
+    def _take_token(self, entrant: Entrant, session: ClientSession, token: str) -> None:
         identity = self._identify(entrant.address, token, entrant.name)
         before = session.identity
         if before is not None and before.digest is not None:
@@ -273,7 +278,7 @@ class Admission:
         self._audit.record("refused", client=entrant.name, address=entrant.address, reason=reason)
         entrant.close(code, reason)
 
-    def _record_connected(self, session: Session, origin: str | None) -> None:
+    def _record_connected(self, session: ClientSession, origin: str | None) -> None:
         assert session.identity is not None  # noqa: S101  # the callers have set it
         self._audit.record(
             "connected",

@@ -18,11 +18,9 @@ from websockets.frames import Frame, Opcode
 from websockets.http11 import Request, Response
 from websockets.protocol import CONNECTING, OPEN, Event
 
-from gateway.core.errors import ProtocolError, StatusCode
+from gateway.core.errors import ProtocolError
 from gateway.core.outbox import Entry
 from gateway.core.token_bucket import TokenBucket
-from gateway.fronts.rosbridge import messages
-from gateway.fronts.rosbridge.session import Session
 from gateway.transport.acceptor import Acceptor
 from gateway.transport.batches import batch_writer
 from gateway.transport.close_codes import (
@@ -40,6 +38,7 @@ from gateway.transport.end import (
     ended_elsewhere,
 )
 from gateway.transport.frame_reader import DATA
+from gateway.transport.front import ClientSession
 from gateway.transport.http import new_protocol
 from gateway.transport.inbound import READ_CHUNK_BYTES, Inbound
 from gateway.transport.inbound_text import expect_text, receive_message
@@ -67,7 +66,7 @@ class Connection(asyncio.BufferedProtocol):
         self._inbound: Inbound
         self._pacing: Pacing
         self._output: ProtocolOutput
-        self._session: Session | None = None
+        self._session: ClientSession | None = None
         self._viewer: Viewer | None = None  # of pictures, by plain HTTP
         self._assembly = MessageAssembly()
         self._flushing = False
@@ -145,7 +144,7 @@ class Connection(asyncio.BufferedProtocol):
     # Called by the server
 
     @property
-    def session(self) -> Session | None:
+    def session(self) -> ClientSession | None:
         """The session, while the WebSocket is open."""
         return self._session
 
@@ -206,11 +205,11 @@ class Connection(asyncio.BufferedProtocol):
             self._why = self._why or replace(closed_by_gateway(code, reason), code=None)
             self._transport.close()
 
-    def turn_away(self, close_code: int, reason: str, code: StatusCode | None) -> None:
-        """Close a client without a session. If there is a *code*, send a `status` first."""
+    def turn_away(self, close_code: int, reason: str, text: bytes | None) -> None:
+        """Close a client without a session. If there is a *text*, send that first."""
         # .NET's WebSocket shows its program no close code of 1012 to 1014, and no reason
-        if code is not None:
-            self._protocol.send_text(messages.status("error", reason, code=code))
+        if text is not None:
+            self._protocol.send_text(text)
         self.close(close_code, reason)
 
     def answer(self, response: Response) -> None:
@@ -400,7 +399,7 @@ class Connection(asyncio.BufferedProtocol):
 
     # Time
 
-    def _end(self, session: Session | None, error: Exception | None, now_s: float) -> End:
+    def _end(self, session: ClientSession | None, error: Exception | None, now_s: float) -> End:
         why = self._why or (LOOKED_AWAY if self._viewer and error is None else None)
         why = why or ended_elsewhere(
             self._protocol, error, was_open=session is not None, is_silent=not self._bytes_in
@@ -410,7 +409,7 @@ class Connection(asyncio.BufferedProtocol):
             return end
         return replace(end, messages_in=session.received, frames_out=session.outbox.sent)
 
-    def _check(self, now_s: float, session: Session) -> None:
+    def _check(self, now_s: float, session: ClientSession) -> None:
         match self.keep_alive.check(now_s, session.outbox, self._pacing):
             case SendPing() if self._viewer is None:
                 self._protocol.send_ping(b"")

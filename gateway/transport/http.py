@@ -18,8 +18,8 @@ from websockets.typing import Subprotocol
 
 from gateway.access.credentials import SUBPROTOCOL, CredentialsError, check_target, token_in
 from gateway.access.web_rules import NO_ORIGIN, WebRules, is_plain
-from gateway.fronts.rosbridge.session import Session
 from gateway.transport import health
+from gateway.transport.front import ClientSession
 from gateway.transport.health import Health
 from gateway.transport.picture_requests import PATHS as PICTURE_PATHS
 from gateway.transport.static_files import INDEX, StaticFiles, is_browser, moved, response_of
@@ -86,7 +86,7 @@ class Asker(Protocol):
         """The address and number, for the log."""
 
     @property
-    def session(self) -> Session | None:
+    def session(self) -> ClientSession | None:
         """The session, while the WebSocket is open."""
 
     def show(self, viewer: Viewer) -> None:

@@ -17,8 +17,8 @@ from websockets.frames import Frame, Opcode
 from websockets.protocol import OPEN, Event
 from websockets.server import ServerProtocol
 
-from gateway.fronts.rosbridge.session import Session
 from gateway.transport.frame_reader import FrameReader
+from gateway.transport.front import ClientSession
 from gateway.transport.tcp_info import is_ended
 from gateway.transport.time_budget import Spending
 
@@ -51,7 +51,7 @@ class Receiver(Protocol):
     """The connection that handles the input."""
 
     @property
-    def session(self) -> Session | None:
+    def session(self) -> ClientSession | None:
         """The session of a client."""
 
     def handle(self, event: Event | Callable[[], None]) -> None:

@@ -6,13 +6,17 @@ from collections.abc import Callable
 from gateway.codec.cbor_reader import is_cbor
 from gateway.codec.utf8 import invalid_at
 from gateway.core.errors import ProtocolError
-from gateway.fronts.rosbridge.session import Session
 from gateway.transport.close_codes import INVALID_DATA
+from gateway.transport.front import ClientSession
 from gateway.transport.message_assembly import MessageAssembly
 
 
 def receive_message(
-    session: Session, message: bytes, receive: Callable[[Session, bytes], None], *, is_text: bool
+    session: ClientSession,
+    message: bytes,
+    receive: Callable[[ClientSession, bytes], None],
+    *,
+    is_text: bool,
 ) -> None:
     """Have a message carried out."""
     if is_text and is_cbor(message):  # UTF-8 cannot begin like that
@@ -24,7 +28,7 @@ def receive_message(
 
 
 def expect_text(
-    session: Session, assembly: MessageAssembly, close: Callable[[int, str], None]
+    session: ClientSession, assembly: MessageAssembly, close: Callable[[int, str], None]
 ) -> None:
     """Close, as an endpoint must, if the newest message is in a text frame and not UTF-8.
 

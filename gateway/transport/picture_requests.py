@@ -8,12 +8,11 @@ import contextlib
 import html
 import re
 from collections.abc import Callable
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
 from gateway.codec.error_text import hint, truncate
-from gateway.fronts.rosbridge.operations.base import MIN_RATE_HZ
-from gateway.fronts.rosbridge.operations.topics import ImageRequest, Subscribe
+from gateway.core.requests import MIN_RATE_HZ, ImageRequest, Subscribe
 
 SNAPSHOT: Final = "/snapshot"
 STREAM: Final = "/stream"
@@ -92,15 +91,14 @@ def picture_request(target: str) -> Subscribe:
     if (kind := query.get("type", [_TYPES[0]])[0]) not in _TYPES:
         text = f"type: got {truncate(kind)!r}, but images are always JPEG: leave type out"
         raise PictureRequestError(text)
-    image = {
+    image: dict[str, Any] = {
         number.member: _value(name, query[name][0], number)
         for name, number in _NUMBERS.items()
         if name in query
     }
-    # in web_video_server, 0 means no limit
-    options = ImageRequest.model_validate(
-        {"format": "jpeg", **{k: v for k, v in image.items() if v}}
-    )
+    given = {name: value for name, value in image.items() if value}  # 0 means no limit
+    adapts = "quality" not in given
+    options = ImageRequest(format="jpeg", asks_for_picture=True, adapts=adapts, **given)
     return Subscribe(topic=topic, queue_length=1, image=options)
 
 

@@ -19,11 +19,10 @@ from websockets.server import ServerProtocol
 
 from gateway.access.permissions import Identity
 from gateway.core.errors import ProtocolError
+from gateway.core.requests import Subscribe
 from gateway.core.router import Router
-from gateway.fronts.rosbridge.operations.topics import Subscribe
-from gateway.fronts.rosbridge.session import Session
-from gateway.fronts.rosbridge.websocket_frames import payload
 from gateway.sources.source import RosError
+from gateway.transport.front import ClientSession, Front
 from gateway.transport.http import Asker, page
 from gateway.transport.picture_requests import (
     SNAPSHOT,
@@ -32,6 +31,7 @@ from gateway.transport.picture_requests import (
     picture_request,
     viewer_page,
 )
+from gateway.transport.websocket_frames import payload
 
 # Each may hold one picture that waits, one that is encoded and one in the socket: with 16 pictures
 # of VGA 30 MB. More people look at a robot by its pages.
@@ -68,7 +68,7 @@ class Viewer:
         self._is_over = False
         self._flushing = False
         self._warning = ""
-        self.session: Session
+        self.session: ClientSession
         self.topic = ""
 
     def flush(self) -> None:
@@ -152,8 +152,9 @@ class Viewer:
 class Pictures:
     """The viewers of all topics, a limited number at a time."""
 
-    def __init__(self, router: Router) -> None:
+    def __init__(self, router: Router, front: Front) -> None:
         self._router = router
+        self._front = front
         self._viewers: dict[Asker, Viewer] = {}
 
     def __len__(self) -> int:
@@ -164,7 +165,7 @@ class Pictures:
         """Return whether a connection gets pictures, or waits for one."""
         return asker in self._viewers
 
-    def sessions(self) -> Iterator[tuple[Asker, Session]]:
+    def sessions(self) -> Iterator[tuple[Asker, ClientSession]]:
         """Yield the connection and the session of each viewer."""
         for asker, viewer in self._viewers.items():
             yield asker, viewer.session
@@ -195,7 +196,7 @@ class Pictures:
             text = f"busy: {MAX_VIEWERS} other viewers get images. Try again later, or use a page\n"
             return protocol.reject(503, text)
         viewer = Viewer(self, protocol, request, asker)
-        viewer.session = self._router.enter(viewer.flush, address, identity)
+        viewer.session = self._front.open(viewer.flush, address, identity)
         viewer.session.client = asker.name
         viewer.session.set_level("warning")  # which it shows as the reason why no picture comes
         self._viewers[asker] = viewer

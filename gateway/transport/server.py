@@ -25,9 +25,8 @@ from gateway.config.limits import Limits
 from gateway.core.router import Router
 from gateway.errors import BindError
 from gateway.faults import Fault
-from gateway.fronts.rosbridge.session import Session
 from gateway.metrics.page import CONTENT_TYPE
-from gateway.metrics.state import AddressState, ClientCounts, ClientState, State, Summary
+from gateway.metrics.state import AddressState, ClientCounts, State, Summary
 from gateway.transport.admission import (
     Admission,
     Entrant,
@@ -35,17 +34,19 @@ from gateway.transport.admission import (
     TurnedAwayError,
     everybody,
 )
+from gateway.transport.client_state import client_counts, client_state
 from gateway.transport.close_codes import GOING_AWAY
 from gateway.transport.connection import Connection
 from gateway.transport.counters import ServerCounters
 from gateway.transport.end import End, Why
 from gateway.transport.forwarded import client_address
+from gateway.transport.front import ClientSession, Front
 from gateway.transport.health import FindFaults, Health, no_faults
 from gateway.transport.http import Asker, HttpFront, own_names, page
 from gateway.transport.picture_streams import Pictures
 from gateway.transport.scrapes import Scrapes
 from gateway.transport.static_files import NO_FILES, StaticFiles
-from gateway.transport.time_budget import Spending, TimeBudgets
+from gateway.transport.time_budget import TimeBudgets
 from gateway.transport.tls_handshakes import log_failed_handshakes
 from gateway.transport.url_options import url_options
 
@@ -84,6 +85,7 @@ class Server:
     def __init__(  # noqa: PLR0913  # one argument for each part that it shares
         self,
         router: Router,
+        front: Front,
         *,
         limits: Limits,
         path: str = "/",
@@ -98,13 +100,14 @@ class Server:
         self.budgets = TimeBudgets(limits.client_time_share, limits.address_time_share)
         self._trusted_proxies = tuple(map(ipaddress.ip_network, trusted_proxies))
         self._router = router
+        self._front = front
         rules = web_rules or WebRules(own_names())
         self._http = HttpFront(
             path, files, rules, self.judged, self.health, self._metrics, self._show
         )
         self._find_faults = find_faults
         self._scrapes = Scrapes(self.state)
-        self._pictures = Pictures(router)
+        self._pictures = Pictures(router, front)
         self._counters = ServerCounters()
         self._admission = admission(self._room_for, rules)
         self._version = version
@@ -208,7 +211,7 @@ class Server:
     def summary(self) -> Summary:
         """Return the state of the gateway, without the traffic of its topics."""
         clients = tuple(
-            _client_state(each.session, each.spending, each.keep_alive.round_trip_s)
+            client_state(each.session, each.spending, each.keep_alive.round_trip_s)
             for each in self._connections
             if each.session is not None
         )
@@ -318,15 +321,17 @@ class Server:
             return f"over capacity: {same} clients of one address (limits.max_clients_per_address)"
         return None
 
-    def enter(self, connection: Connection, request: Request) -> Session | None:
+    def enter(self, connection: Connection, request: Request) -> ClientSession | None:
         """Open a session for a connection, or turn it away."""
         options = url_options(request.path)
         try:
             identity = self._admission.identify(connection, request.headers)
         except TurnedAwayError as error:
-            connection.turn_away(error.close_code, str(error), options.told(error.status))
+            code, reason = options.told(error.status), str(error)
+            text = None if code is None else self._front.rejection(code, reason)
+            connection.turn_away(error.close_code, reason, text)
             return None
-        session = self._router.enter(connection.flush, connection.address, identity)
+        session = self._front.open(connection.flush, connection.address, identity)
         session.client = connection.name
         options.apply(session)
         self._counters.sessions += 1
@@ -338,22 +343,22 @@ class Server:
 
         Everything that a client has open ends at once. A robot must not wait for a handshake.
         """
-        clients: list[tuple[Entrant, Session]] = [
+        clients: list[tuple[Entrant, ClientSession]] = [
             (each, each.session) for each in self._connections if each.session is not None
         ]
         clients += self._pictures.sessions()
         for session in self._admission.reload(tokens, policy, clients):
             self._router.revoke(session)
 
-    def receive(self, session: Session, data: bytes) -> None:
+    def receive(self, session: ClientSession, data: bytes) -> None:
         """Carry out one message of a session."""
-        self._router.receive(session, data)
+        self._front.receive(session, data)
 
-    def end_turn(self, session: Session) -> None:
+    def end_turn(self, session: ClientSession) -> None:
         """Carry out the deferred work of a session."""
         self._router.end_turn(session)
 
-    def left(self, connection: Connection, session: Session | None, end: End) -> None:
+    def left(self, connection: Connection, session: ClientSession | None, end: End) -> None:
         """Close everything that a connection had open."""
         self._connections.pop(connection, None)
         if not self._connections:
@@ -363,7 +368,7 @@ class Server:
         try:
             self._pictures.left(connection)
             if session is not None:
-                self._left = self._left.plus(_counts(session))
+                self._left = self._left.plus(client_counts(session))
                 self._router.leave(session)
         finally:  # after a robot was stopped
             self._counters.ended(end, was_client=was_client)
@@ -400,27 +405,3 @@ def _unauthenticated(protocol: ServerProtocol, error: TurnedAwayError) -> Respon
     response = protocol.reject(401, f"{error}\n")
     response.headers["WWW-Authenticate"] = "Bearer"
     return response
-
-
-def _client_state(session: Session, spending: Spending, round_trip_s: float | None) -> ClientState:
-    return ClientState(
-        client=session.client,
-        address=session.address,
-        counts=_counts(session),
-        time_s=spending.spent_s,
-        pauses=spending.pauses,
-        latency=session.latency.observed(),
-        link_bytes_per_s=session.outbox.bytes_per_s,
-        round_trip_s=round_trip_s,
-    )
-
-
-def _counts(session: Session) -> ClientCounts:
-    return ClientCounts(
-        operations=session.received,
-        refused=session.refused,
-        replaced=session.replaced,
-        frames=session.outbox.sent,
-        dropped_by_full_queue=session.outbox.dropped,
-        coalesced=session.outbox.coalesced,
-    )

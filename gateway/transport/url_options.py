@@ -5,10 +5,9 @@ from collections.abc import Sequence
 from typing import NamedTuple, cast
 from urllib.parse import parse_qs, urlsplit
 
-from gateway.core.errors import Level, StatusCode
-from gateway.fronts.rosbridge.messages import SEVERITY
-from gateway.fronts.rosbridge.operations.topics import IMAGE_FORMATS, ImageFormat
-from gateway.fronts.rosbridge.session import Session
+from gateway.core.errors import SEVERITY, Level, StatusCode
+from gateway.core.requests import IMAGE_FORMATS, ImageFormat
+from gateway.transport.front import ClientSession
 
 
 class UrlOptionError(ValueError):
@@ -25,7 +24,7 @@ class UrlOptions(NamedTuple):
         """Return the code of a `status` to a client that is turned away, if it asks for one."""
         return None if self.status in {None, "none"} else code
 
-    def apply(self, session: Session) -> None:
+    def apply(self, session: ClientSession) -> None:
         """Apply the options of an address to a client."""
         session.image_format = self.images or session.image_format
         if self.status is not None:

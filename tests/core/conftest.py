@@ -15,7 +15,8 @@ from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.core.errors import Level
 from gateway.core.router import Router
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.front import RosbridgeFront
+from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.sources.guard import Guard
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions
@@ -32,17 +33,18 @@ class Socketless:
 
     def __init__(
         self,
-        router: Router,
+        front: RosbridgeFront,
         address: str,
         identity: Identity | None = UNLIMITED,
         level: Level | None = "warning",
     ) -> None:
-        self.router = router
+        self.front = front
+        self.router = front.core
         self.frames: list[Frame] = []
         self.wires: list[bytes] = []
         self.is_paused = False
         self.is_flushing = False
-        self.session: Session = router.enter(self.flush, address, identity)
+        self.session: RosbridgeSession = front.open(self.flush, address, identity)
         if level is not None:  # else it is a client of rosbridge
             self.session.set_level(level)
 
@@ -60,7 +62,7 @@ class Socketless:
         self.send_raw(json.dumps(operation).encode())
 
     def send_raw(self, data: bytes) -> None:
-        self.router.receive(self.session, data)
+        self.front.receive(self.session, data)
 
     def of(self, op: str) -> list[Frame]:
         return [frame for frame in self.frames if frame["op"] == op]
@@ -88,6 +90,7 @@ class Bench:
     def __init__(self, ros: FakeRos, router: Router, types: Types) -> None:
         self.ros = ros
         self.router = router
+        self.front = RosbridgeFront(router)
         self.types = types
 
     def client(
@@ -97,7 +100,7 @@ class Bench:
         identity: Identity | None = UNLIMITED,
         level: Level | None = "warning",
     ) -> Socketless:
-        return Socketless(self.router, address, identity, level)
+        return Socketless(self.front, address, identity, level)
 
     def cdr(self, type_name: str, **values: Any) -> bytes:
         message_type = self.types.get(type_name)

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.core.router import Router
+from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.fronts.rosbridge.operations import OPERATIONS
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
@@ -141,7 +142,7 @@ async def carry_out(text: str) -> list[Any]:
     pixels = TYPES.get(IMAGE)
     with ThreadPoolExecutor(1) as workers:
         router = Router(ros, TYPES, TABLE, limits=Limits(), workers=workers, version="test")
-        client = Socketless(router, "")
+        client = Socketless(RosbridgeFront(router), "")
         for _ in range(2):
             client.send_raw(text.encode())
             camera.publish(pixels.encode({}, now_ns=lambda: 0))

@@ -3,6 +3,7 @@
 
 import json
 import logging
+from dataclasses import MISSING, fields
 from typing import Any, get_args
 
 import pytest
@@ -18,8 +19,8 @@ from gateway.config.access import (
 )
 from gateway.core.errors import ProtocolError
 from gateway.core.permission_checks import may_carry_out
+from gateway.core.requests import Request
 from gateway.fronts.rosbridge.operations import ClientOperation
-from gateway.fronts.rosbridge.operations.base import Operation
 from tests.client import eventually
 from tests.core.conftest import Bench, Socketless
 from tests.core.rosapi.scripted import ScriptedNodes
@@ -360,10 +361,10 @@ async def test_auth_goes_to_who_knows_the_tokens_and_is_ignored_where_nobody_doe
 ) -> None:
     client = bench.client(identity=None)
     asked = []
-    client.session.authenticate = asked.append
+    client.session.authenticate = lambda token, _: asked.append(token)
     client.send(op="auth", token="r2g_x")  # noqa: S106  # none of ours
     client.send(op="auth", mac="x")
-    assert [operation.token for operation in asked] == ["r2g_x", None]
+    assert asked == ["r2g_x", None]
     other = bench.client()
     other.send(op="auth", token="x")  # noqa: S106
     assert other.frames == []
@@ -387,7 +388,8 @@ async def test_a_forbidden_operation_is_recorded_without_the_payload(bench: Benc
 
 
 def test_these_operations_are_for_everybody_alone_or_checked_later():
-    assert {model.op for model in get_args(ClientOperation) if not model.needs_permission} == {
+    made = [model.makes for model in get_args(ClientOperation)]
+    assert {request.kind for request in made if not request.needs_permission} == {
         *("unsubscribe", "unadvertise", "unadvertise_service", "service_response"),
         *("cancel_action_goal", "unadvertise_action", "action_feedback", "action_result"),
         *("cancel_transform", "stop", "acquire_control", "release_control", "control"),
@@ -399,15 +401,14 @@ def test_these_operations_are_for_everybody_alone_or_checked_later():
 
 @pytest.mark.parametrize("model", get_args(ClientOperation), ids=lambda model: model.op)
 async def test_of_every_operation_it_is_known_what_it_needs(bench: Bench, model: Any) -> None:
-    names = dict.fromkeys(("topic", "service", "action", "target_frame"), "x")
+    known = {each.name: "x" for each in fields(model.makes) if each.default is MISSING}
     session = bench.client(identity=identity("admin")).session
-    may_carry_out(session, model.model_construct(**names, type=None))
+    may_carry_out(session, model.makes(**known))
 
 
 async def test_an_operation_of_which_nobody_says_what_it_needs_is_forbidden(bench: Bench) -> None:
-    class New(Operation):
-        op = "new"
+    class New(Request):
+        kind = "new"
 
-    new: Any = New()
     with pytest.raises(ProtocolError, match="new requires a role without limits"):
-        may_carry_out(viewer(bench).session, new)
+        may_carry_out(viewer(bench).session, New())

@@ -4,7 +4,7 @@ from functools import partial
 import pytest
 
 from gateway.core.errors import ProtocolError
-from gateway.fronts.rosbridge.operations.topics import Publish
+from gateway.core.requests import Publish
 from gateway.sources.source import RosError
 from tests.core.conftest import Bench
 from tests.sources.fake_services import FakeService
@@ -186,7 +186,7 @@ async def test_set_level_decides_which_statuses_come(bench: Bench):
     assert status["msg"] == "subscribed to /t (std_msgs/msg/String)"
 
 
-PUBLISH = Publish(op="publish", topic="/t", msg={})
+PUBLISH = Publish(topic="/t", msg={})
 
 
 async def test_of_deferred_work_with_one_key_the_newest_is_done_at_the_end_of_the_turn(

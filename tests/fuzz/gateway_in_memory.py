@@ -11,6 +11,7 @@ from typing import Any
 from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
 from gateway.core.router import Router
+from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.sources.actions import SUCCEEDED, GoalRequest
 from gateway.sources.services import Request
 from schemas.table import Table
@@ -58,6 +59,7 @@ class World:
         self.router = Router(
             self.ros, types.types(), TABLE, limits=LIMITS, workers=Inline(), version="fuzz"
         )
+        self.front = RosbridgeFront(self.router)
         self._camera = self.ros.add_publisher("/camera", IMAGE)
         self._odometry = self.ros.add_publisher("/odom", "nav_msgs/msg/Odometry")
         self.ros.add_service("/motor_power", "std_srvs/srv/SetBool", self._answer)

@@ -18,6 +18,7 @@ from gateway.access.web_rules import WebRules
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.core.router import Router
+from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.transport.http import own_names
 from gateway.transport.server import Door, Server
 from schemas.folders import SHIPPED
@@ -86,7 +87,9 @@ def serve() -> Serve:
         all_limits = Limits(**{"max_clients": 8, "max_clients_per_address": 8, **(limits or {})})
         with ThreadPoolExecutor(2) as workers:
             router = Router(ros, types, TABLE, limits=all_limits, workers=workers, version="test")
-            server = Server(router, limits=all_limits, web_rules=rules, **options)
+            server = Server(
+                router, RosbridgeFront(router), limits=all_limits, web_rules=rules, **options
+            )
             async with server.listening(["127.0.0.1"], Door(0, tls)) as (((_, port),),):
                 yield Served(server, ros, types, port)
             assert server.health()["clients"] == 0

@@ -16,7 +16,7 @@ from websockets.frames import Opcode
 from websockets.protocol import Event
 
 from gateway.codec.types import Types
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.sources.source import Sample
 from gateway.transport import connection as connection_module
 from gateway.transport import inbound as inbound_module
@@ -114,14 +114,14 @@ class Acceptor:
     def arrive(self, connection: Connection) -> None:
         pass
 
-    def receive(self, session: Session, data: bytes) -> None:
+    def receive(self, session: RosbridgeSession, data: bytes) -> None:
         self._pass_time(self.cost_s)
         self.received.append(data)
         if session.is_overtaken:
             self.overtaken.append(data)
         self._server.receive(session, data)
 
-    def left(self, connection: Connection, session: Session | None, end: End) -> None:
+    def left(self, connection: Connection, session: RosbridgeSession | None, end: End) -> None:
         self._pass_time(self.leaving_cost_s)
         self._server.left(connection, session, end)
 
@@ -661,10 +661,10 @@ def test_a_large_message_that_a_stop_has_overtaken_is_so_when_it_is_carried_out(
 ):
     seen: list[tuple[str, bool]] = []
 
-    def note(session: Session, op: str, *_: object, **__: object) -> None:
+    def note(session: RosbridgeSession, op: str, *_: object, **__: object) -> None:
         seen.append((op, session.is_overtaken))
 
-    monkeypatch.setattr(Session, "answer", note)
+    monkeypatch.setattr(RosbridgeSession, "answer", note)
     large = masked(Opcode.TEXT, padded_ping(8 * 1024 + 1))
     wire.receive(large + pings(1) + masked(Opcode.TEXT, STOP) + pings(2))
     wire.until_served()

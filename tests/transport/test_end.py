@@ -14,6 +14,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.frames import Opcode
 
 from gateway.core.router import Router
+from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.transport.close_codes import GOING_AWAY, INTERNAL_ERROR, POLICY_VIOLATION
 from gateway.transport.connection import Connection
 from gateway.transport.end import Why
@@ -231,10 +232,10 @@ async def test_a_late_request_is_named_in_the_log(serve: Serve, caplog):
 
 
 async def test_a_bug_is_an_end_by_the_gateway(serve: Serve, caplog, monkeypatch):
-    def fail(router: Router, session: object, data: bytes) -> None:
+    def fail(front: RosbridgeFront, session: object, data: bytes) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(Router, "receive", fail)
+    monkeypatch.setattr(RosbridgeFront, "receive", fail)
     caplog.set_level("INFO", LOGGER)
     async with serve() as served:
         async with client(served.url) as speaker:

@@ -899,8 +899,8 @@ async def test_a_fault_in_the_core_closes_only_that_client_with_1011(
                 raise ZeroDivisionError
             receive(session, data)
 
-        receive = served.server._router.receive
-        monkeypatch.setattr(served.server._router, "receive", fail)
+        receive = served.server._front.receive
+        monkeypatch.setattr(served.server._front, "receive", fail)
         async with client(served.url) as speaker:
             await speaker.send(op="boom")
             assert await closing(speaker) == (1011, "internal error")

@@ -2,7 +2,7 @@
 """Actions that clients provide: goals from ROS go to a client, its results go back."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import ActionType
@@ -10,16 +10,15 @@ from gateway.core.errors import NothingThereError, ProtocolError, over_limit
 from gateway.core.failure import failure
 from gateway.core.interface_types import InterfaceTypes
 from gateway.core.names import ActionName, resolve_action
-from gateway.core.service_clients import encode_values
-from gateway.core.takeover import check_takeover, nodes_of, warn_of_others
-from gateway.fronts.rosbridge import messages
-from gateway.fronts.rosbridge.operations.actions import (
+from gateway.core.requests import (
     ActionFeedback,
     ActionResult,
     AdvertiseAction,
     UnadvertiseAction,
 )
-from gateway.fronts.rosbridge.session import Session
+from gateway.core.service_clients import encode_values
+from gateway.core.session import Session
+from gateway.core.takeover import check_takeover, nodes_of, warn_of_others
 from gateway.sources.actions import (
     ABORTED,
     CANCELED,
@@ -96,9 +95,9 @@ class ClientActions:
             raise
         if former is not None and former.session is not session:
             text = f"action {action} is provided by another client now"
-            former.session.warn(ProtocolError("not_found", text), request.op, None)
-        warn_of_others(session, f"action {action}", others, request.op, request.id)
-        session.inform(f"providing {action} ({action_type.name})", request.op, request.id)
+            former.session.warn(ProtocolError("not_found", text), replace(request, id=None))
+        warn_of_others(session, f"action {action}", others, request)
+        session.inform(f"providing {action} ({action_type.name})", request)
 
     def unadvertise(self, session: Session, request: UnadvertiseAction) -> None:
         """Close an action server. Its goals are aborted.
@@ -141,7 +140,7 @@ class ClientActions:
         if request.status == CANCELED and (status == ABORTED or not is_canceling):
             why = "nobody asked to cancel the goal" if not is_canceling else "result is false"
             text = f"status: {why}, so it ends as aborted (6), not canceled (5)"
-            session.warn(ProtocolError("bad_request", text), request.op, request.id)
+            session.warn(ProtocolError("bad_request", text), request)
         if status == ABORTED and isinstance(request.values, str | None):
             reason = request.values if isinstance(request.values, str) else "action failed"
             goal.finish(ABORTED, failure(result_type, reason))
@@ -208,14 +207,8 @@ class ClientActions:
         except CodecError as error:
             goal.finish(ABORTED, failure(provided.type.result, f"goal cannot be read: {error}"))
             return
-        # In the form of rosbridge: ROS# parses it.
-        goal_id = f"action_goal:{action}:{next(provided.session.numbers)}"
-        provided.goals[goal_id] = goal
-        provided.session.ask(
-            messages.send_action_goal(
-                provided.requested_name, goal_id, provided.requested_type, args
-            )
-        )
+        name, type_name = provided.requested_name, provided.requested_type
+        provided.goals[provided.session.pass_goal(action, name, type_name, args)] = goal
 
     def _close(self, action: ActionName, provided: ClientAction) -> None:
         del self._provided[action]
@@ -228,4 +221,4 @@ def _pass_on_cancel(provided: ClientAction, goal: GoalRequest) -> None:
     for goal_id, known in provided.goals.items():
         if known is goal:
             provided.canceling.add(goal_id)
-            provided.session.ask(messages.cancel_action_goal(provided.requested_name, goal_id))
+            provided.session.pass_cancel(provided.requested_name, goal_id)

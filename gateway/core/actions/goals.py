@@ -7,7 +7,6 @@ from functools import partial
 from typing import Final
 
 from gateway.codec.errors import CodecError
-from gateway.codec.nonfinite import named
 from gateway.codec.types import ActionType
 from gateway.core.client_cache import ClientCache
 from gateway.core.deadline import Deadline
@@ -15,11 +14,10 @@ from gateway.core.errors import NothingThereError, ProtocolError, over_limit
 from gateway.core.interface_types import InterfaceTypes
 from gateway.core.names import ActionName, resolve_action
 from gateway.core.outbox import NOTHING, Frame, Queue
+from gateway.core.requests import CancelActionGoal, SendActionGoal
 from gateway.core.service_clients import encode_values
+from gateway.core.session import Session
 from gateway.core.tasks import Metered, answered
-from gateway.fronts.rosbridge import messages
-from gateway.fronts.rosbridge.operations.actions import CancelActionGoal, SendActionGoal
-from gateway.fronts.rosbridge.session import Session
 from gateway.sources.actions import ActionClient, Goal
 from gateway.sources.source import Ros
 
@@ -161,16 +159,12 @@ class Goals:
             if sent.is_abandoned:
                 return
             status, cdr = await goal.result()
-        request = sent.request
         try:
-            values = named(sent.type.result.decode(cdr), request.nonfinite)
+            values = sent.type.result.decode(cdr)
         except CodecError as error:
             raise ProtocolError("internal", f"result of {action}: {error}") from error
-        frame = messages.action_result(
-            request.action, request.id, values, status=status, result=True
-        )
         sent.flush_feedback()
-        sent.session.send(frame, request.fragment_size)
+        sent.session.finish(sent.request, values, status)
 
     def _forget(self, sent: SentGoal) -> None:
         sent.session.outbox.close_queue(sent.queue)
@@ -197,9 +191,7 @@ class _Feedback:
         """Return the frame, or `NOTHING` if the feedback cannot be decoded."""
         sent = self._goal
         try:
-            values = named(sent.type.feedback.decode(self._cdr), sent.request.nonfinite)
+            values = sent.type.feedback.decode(self._cdr)
         except CodecError:
             return NOTHING
-        request = sent.request
-        frame = messages.action_feedback(request.action, request.id, values)
-        return sent.session.framed(frame, request.fragment_size)
+        return sent.session.feedback_frame(sent.request, values)

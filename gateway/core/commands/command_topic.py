@@ -15,6 +15,8 @@ from gateway.core.commands.driver import Driver
 from gateway.core.commands.twist_values import TwistValues
 from gateway.core.errors import ProtocolError
 from gateway.core.names import TopicName
+from gateway.core.requests import Advertise, Publish, Request
+from gateway.core.session import Session
 from gateway.core.topic_counts import TopicCounts
 from gateway.core.topic_events import warning
 from gateway.drive import refusals
@@ -34,10 +36,6 @@ from gateway.drive.refusals import CAUSE_TEXTS
 from gateway.drive.stop import LIFESPAN_NS
 from gateway.drive.twist_cdr import COMMAND_TYPES, TWIST_STAMPED, encode
 from gateway.drive.velocity import ZERO
-from gateway.fronts.rosbridge import messages
-from gateway.fronts.rosbridge.operations.base import Operation
-from gateway.fronts.rosbridge.operations.topics import Publish
-from gateway.fronts.rosbridge.session import Session
 from gateway.metrics.state import DriveState
 from gateway.sources.guard import Guard
 from gateway.sources.source import Publisher, Qos, Ros, RosError, TopicEvent
@@ -129,7 +127,7 @@ class CommandTopic:
         self._report(event)
         logger.warning("%s", event.text, extra={"topic": self.name})
         for session in list(self.drivers):
-            session.warn(warning(event, session), "advertise", None)
+            session.warn(warning(event, session), Advertise(topic=self.name, type=""))
 
     def prepare(self, type_name: str) -> None:
         """Have the guard open its publisher of a type, unless it has."""
@@ -288,7 +286,7 @@ class CommandTopic:
     def _send_notices(self) -> None:
         self._notice = None
         for session in list(self.watchers):
-            session.send(messages.answer("control", None, **self.state(session)))
+            session.answer("control", None, **self.state(session))
 
     # The effects of the drive
 
@@ -366,7 +364,7 @@ class CommandTopic:
         session, request = refused.command.client, refused.command.request
         assert isinstance(session, Session)  # noqa: S101  # the clients of this drive are sessions
         error = ProtocolError(refused.code, refused.reason)
-        if isinstance(request, Operation) and self._is_to_be_answered(session, request, error.code):
+        if isinstance(request, Request) and self._is_to_be_answered(session, request, error.code):
             session.refuse(error, request)
         else:
             session.refused += 1
@@ -374,7 +372,7 @@ class CommandTopic:
     def _tell_clamped(self, clamped: Clamped) -> None:
         session, request = clamped.command.client, clamped.command.request
         assert isinstance(session, Session)  # noqa: S101  # as above
-        if not isinstance(request, Operation):
+        if not isinstance(request, Request):
             return
         if not self._is_to_be_answered(session, request, "clamped"):
             return
@@ -383,9 +381,9 @@ class CommandTopic:
         else:
             linear, angular = self._rules.max_linear, self._rules.max_angular
             text = f"topic {self.name}: too fast, clamped to {linear:g} m/s and {angular:g} rad/s"
-            session.warn(ProtocolError("invalid_value", text), request.op, request.id)
+            session.warn(ProtocolError("invalid_value", text), request)
 
-    def _is_to_be_answered(self, session: Session, request: Operation, code: str) -> bool:
+    def _is_to_be_answered(self, session: Session, request: Request, code: str) -> bool:
         driver = self.drivers.get(session)  # None: it has withdrawn or left
         is_due = driver is not None and driver.is_due(code, self._now_ns())
         return is_due or request.id is not None

@@ -15,19 +15,21 @@ from gateway.core.errors import NothingThereError, ProtocolError, unknown_topic
 from gateway.core.missing_parts import Missing, refuse_part, require
 from gateway.core.names import TopicName, resolve_topic
 from gateway.core.permission_checks import check_publish
+from gateway.core.requests import (
+    AcquireControl,
+    Advertise,
+    Control,
+    Publish,
+    ReleaseControl,
+    Stop,
+    Unadvertise,
+)
+from gateway.core.session import Session
 from gateway.core.topic_counts import CountsByTopic
 from gateway.core.topic_events import TopicEvents
 from gateway.core.topic_types import TopicTypes
 from gateway.drive.effects import Rules
 from gateway.drive.twist_cdr import COMMAND_TYPES
-from gateway.fronts.rosbridge.operations.commands import (
-    AcquireControl,
-    Control,
-    ReleaseControl,
-    Stop,
-)
-from gateway.fronts.rosbridge.operations.topics import Advertise, Publish, Unadvertise
-from gateway.fronts.rosbridge.session import Session
 from gateway.metrics.state import ClientPublication, ControlState
 from gateway.sources.guard import Guard
 from gateway.sources.source import Ros, RosError
@@ -115,7 +117,7 @@ class Commands:
         topic = self._opened(name, request.type)
         if session not in topic.drivers:
             self._say_what_is_ignored(session, request)
-            session.inform(f"advertised {name}, a command topic", request.op, request.id)
+            session.inform(f"advertised {name}, a command topic", request)
         topic.driver(session).ids.add(request.id)
 
     def unadvertise(self, session: Session, name: TopicName, request: Unadvertise) -> None:
@@ -184,7 +186,7 @@ class Commands:
         if topic.state(session)["holder"] == "other":
             self._check_takeover(topic.name)
         topic.acquire(session)
-        session.answer(request.op, request.id, **topic.state(session))
+        session.answer(request.kind, request.id, **topic.state(session))
 
     def release(self, session: Session, request: ReleaseControl) -> None:
         """Take control of a topic back from a client.
@@ -194,7 +196,7 @@ class Commands:
         """
         topic = self._named(session, request.topic)
         topic.release(session)
-        session.answer(request.op, request.id, **topic.state(session))
+        session.answer(request.kind, request.id, **topic.state(session))
 
     def control(self, session: Session, request: Control) -> None:
         """Answer with the state of a topic, and begin or end to send its changes.
@@ -207,7 +209,7 @@ class Commands:
             topic.watchers.add(session)
         elif request.watch is False:
             topic.watchers.discard(session)
-        session.answer(request.op, request.id, **topic.state(session))
+        session.answer(request.kind, request.id, **topic.state(session))
 
     def on_graph_change(self) -> None:
         """Have the guard prepare for the robots that are there."""
@@ -304,7 +306,7 @@ class Commands:
     def _say_what_is_ignored(session: Session, request: Advertise) -> None:
         for ignored in _ignored(request):
             text = f"{ignored} is ignored: a command topic stores no message for later subscribers"
-            session.warn(ProtocolError("bad_request", text), request.op, request.id)
+            session.warn(ProtocolError("bad_request", text), request)
 
     # Turns
 

@@ -5,7 +5,7 @@ from collections.abc import Hashable
 
 from gateway.access.audit import Audit, Fact
 from gateway.core.names import TopicName
-from gateway.fronts.rosbridge.session import Session
+from gateway.core.session import Session
 
 
 class DriveAudit:

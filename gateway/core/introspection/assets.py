@@ -20,7 +20,7 @@ from urllib.parse import unquote
 
 from gateway.codec.error_text import truncate
 from gateway.core.errors import ProtocolError
-from gateway.fronts.rosbridge.operations.gateway import FetchAsset
+from gateway.core.requests import FetchAsset
 from schemas.installed import installed_prefixes
 
 # The endings of meshes and textures. Other files of a package are not served.

@@ -9,8 +9,8 @@ from typing import Any, Final
 from gateway.codec.error_text import truncate
 from gateway.core.bad_type import bad_type
 from gateway.core.errors import ProtocolError
-from gateway.fronts.rosbridge.operations.gateway import Generate
-from gateway.fronts.rosbridge.session import Session
+from gateway.core.requests import Generate
+from gateway.core.session import Session
 from schemas.definition import DefinitionError
 from schemas.generate.catalogue import Catalogue
 from schemas.generate.languages import LANGUAGES

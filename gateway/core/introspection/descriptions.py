@@ -14,8 +14,8 @@ from gateway.core.introspection.examples import (
     goal_frame,
     publish_frame,
 )
+from gateway.core.session import Session
 from gateway.core.topic_types import TopicTypes
-from gateway.fronts.rosbridge.session import Session
 from gateway.sources.source import Graph, ServerInfo, TopicInfo
 from schemas.definition import Definition
 from schemas.installed import InstalledDefinitions

@@ -8,13 +8,11 @@ from gateway.core.introspection import graph_frames
 from gateway.core.introspection.assets import Assets
 from gateway.core.introspection.client_code import ClientCode
 from gateway.core.introspection.descriptions import Descriptions
-from gateway.core.introspection.help import DOCS, frames_to_try
+from gateway.core.requests import Describe, GraphRequest, Hello, Ping
+from gateway.core.ros_time import stamp
+from gateway.core.session import Session
 from gateway.core.topics.subscriptions import Subscriptions
 from gateway.core.visible_graph import visible
-from gateway.fronts.rosbridge import messages
-from gateway.fronts.rosbridge.operations import OPERATIONS
-from gateway.fronts.rosbridge.operations.gateway import Describe, GraphRequest, Hello, Help, Ping
-from gateway.fronts.rosbridge.session import Session
 from gateway.sources.source import Graph, Ros
 
 SERVER_NAME = "ros2-json-gateway"
@@ -56,8 +54,8 @@ class Introspection:
             "pong",
             request.id,
             value=request.value,
-            ros_time=messages.time(self._ros.now_ns()),
-            gateway_time=messages.time(time.time_ns()),
+            ros_time=stamp(self._ros.now_ns()),
+            gateway_time=stamp(time.time_ns()),
         )
 
     def hello(self, session: Session, request: Hello) -> None:
@@ -73,24 +71,15 @@ class Introspection:
             limits=self._limits.for_hello(),
         )
 
-    def help(self, session: Session, request: Help) -> None:
-        """Answer `help` with frames that can be pasted as they are."""
-        frames = frames_to_try(_seen_by(session, self._ros.graph()), session.may)
-        text = "send one of these lines as it is"
-        operations = list(OPERATIONS)
-        session.send(
-            messages.help_answer(request.id, text, frames, docs=DOCS, operations=operations)
-        )
-
     def describe(self, session: Session, request: Describe) -> None:
         """Answer `describe` with a type's schema, definition and hash, and a frame to paste.
 
         Raises:
             ProtocolError: the name is not that of an installed type, or of something that has one.
         """
-        graph = _seen_by(session, self._ros.graph())
+        graph = seen_by(session, self._ros.graph())
         example, members = self._descriptions.describe(session, request.type, graph)
-        session.send(messages.description(request.id, example, members))
+        session.describe(request.id, example, members)
 
     def graph(self, session: Session, request: GraphRequest) -> None:
         """Answer `graph` with a snapshot, and start or stop watching for changes."""
@@ -102,9 +91,7 @@ class Introspection:
                 self._seen = now
             self._watching[session] = request.id
         rates_hz = self._subscriptions.rates_hz(time.monotonic_ns())
-        session.answer(
-            "graph", request.id, **graph_frames.picture(_seen_by(session, now), rates_hz)
-        )
+        session.answer("graph", request.id, **graph_frames.picture(seen_by(session, now), rates_hz))
 
     def on_graph_change(self) -> None:
         """Send the changes to the watchers."""
@@ -116,7 +103,7 @@ class Introspection:
         for session, request_id in self._watching.items() if all_changes else ():
             changes = all_changes
             if session.is_restricted:
-                changes = graph_frames.changes(_seen_by(session, before), _seen_by(session, now))
+                changes = graph_frames.changes(seen_by(session, before), seen_by(session, now))
             if changes:
                 session.answer("graph", request_id, changes=changes)
 
@@ -125,5 +112,6 @@ class Introspection:
         self._watching.pop(session, None)
 
 
-def _seen_by(session: Session, graph: Graph) -> Graph:
+def seen_by(session: Session, graph: Graph) -> Graph:
+    """Return a graph without the names that are hidden from a client."""
     return visible(graph, session.sees) if session.is_restricted else graph

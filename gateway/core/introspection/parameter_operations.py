@@ -4,14 +4,14 @@
 from dataclasses import asdict
 from typing import Any
 
-from gateway.core.rosapi.node_parameters import Parameters, node_timeout_s
-from gateway.fronts.rosbridge.operations.parameters import (
+from gateway.core.requests import (
     DescribeParameters,
     GetParameters,
     ListParameters,
-    ParameterOperation,
+    ParameterRequest,
     SetParameters,
 )
+from gateway.core.rosapi.node_parameters import Parameters, node_timeout_s
 
 
 class ParameterOperations:
@@ -23,7 +23,7 @@ class ParameterOperations:
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
 
-    async def carry_out(self, request: ParameterOperation) -> dict[str, Any]:
+    async def carry_out(self, request: ParameterRequest) -> dict[str, Any]:
         """Return the members of the answer."""
         match request:
             case ListParameters():
@@ -32,7 +32,9 @@ class ParameterOperations:
                 return await self.get(request)
             case SetParameters():
                 return await self.set(request)
-        return await self.describe(request)
+            case DescribeParameters():
+                return await self.describe(request)
+        raise TypeError(request.kind)
 
     async def list(self, request: ListParameters) -> dict[str, Any]:
         """List a node's parameters."""

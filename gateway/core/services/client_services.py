@@ -4,7 +4,7 @@
 import asyncio
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from gateway.codec.errors import CodecError
@@ -13,15 +13,15 @@ from gateway.core.errors import NothingThereError, ProtocolError, over_limit
 from gateway.core.failure import failure
 from gateway.core.interface_types import InterfaceTypes
 from gateway.core.names import ServiceName, resolve_service
-from gateway.core.service_clients import encode_values
-from gateway.core.takeover import check_takeover, nodes_of, warn_of_others
-from gateway.fronts.rosbridge import messages
-from gateway.fronts.rosbridge.operations.services import (
+from gateway.core.requests import (
     AdvertiseService,
+    CallService,
     ServiceResponse,
     UnadvertiseService,
 )
-from gateway.fronts.rosbridge.session import Session
+from gateway.core.service_clients import encode_values
+from gateway.core.session import Session
+from gateway.core.takeover import check_takeover, nodes_of, warn_of_others
 from gateway.sources.services import Request, Service
 from gateway.sources.source import Ros, RosError
 
@@ -110,9 +110,9 @@ class ClientServices:
             raise
         if former is not None and former.session is not session:
             text = f"service {service} is provided by another client now"
-            former.session.warn(ProtocolError("not_found", text), request.op, None)
-        warn_of_others(session, f"service {service}", others, request.op, request.id)
-        session.inform(f"providing {service} ({service_type.name})", request.op, request.id)
+            former.session.warn(ProtocolError("not_found", text), replace(request, id=None))
+        warn_of_others(session, f"service {service}", others, request)
+        session.inform(f"providing {service} ({service_type.name})", request)
 
     def unadvertise(self, session: Session, request: UnadvertiseService) -> None:
         """Close a service. Its callers are answered.
@@ -152,7 +152,7 @@ class ClientServices:
         pending.request.answer(cdr)
         if not response.result:
             text = "a ROS service cannot fail: the caller gets these values"
-            session.warn(ProtocolError("bad_request", text), response.op, response.id)
+            session.warn(ProtocolError("bad_request", text), response)
 
     def leave(self, session: Session) -> None:
         """Close all services of a client. Their callers are answered."""
@@ -197,20 +197,18 @@ class ClientServices:
         except CodecError as error:
             _fail(call, provided.type, f"request cannot be read: {error}")
             return
-        # In the form of rosbridge: ROS# parses it.
-        call_id = f"service_request:{service}:{next(provided.session.numbers)}"
+        call_id = provided.session.pass_call(service, provided.requested_name, args)
         deadline = asyncio.get_running_loop().call_later(
             provided.session.limits.service_timeout_s, self._expire, provided, call_id
         )
         provided.pending[call_id] = PendingCall(call, deadline)
-        provided.session.ask(messages.call_service(provided.requested_name, call_id, args))
 
     def _expire(self, provided: ClientService, call_id: str) -> None:
         pending = provided.pending.pop(call_id)
         _fail(pending.request, provided.type, "service's client did not answer")
         name = provided.requested_name
         text = f"service {name}: no response in time, the caller received a failure"
-        provided.session.warn(ProtocolError("timeout", text), "call_service", call_id)
+        provided.session.warn(ProtocolError("timeout", text), CallService(id=call_id, service=name))
 
     def _close(self, service: ServiceName, provided: ClientService, reason: str) -> None:
         del self._provided[service]

@@ -4,16 +4,14 @@
 from collections.abc import Callable
 from typing import Final
 
-from gateway.codec.nonfinite import named
 from gateway.core.deadline import Deadline
 from gateway.core.interface_types import InterfaceTypes
 from gateway.core.names import ServiceName, resolve_service
+from gateway.core.requests import CallService
 from gateway.core.rosapi import Rosapi
 from gateway.core.service_clients import ServiceClients
+from gateway.core.session import Session
 from gateway.core.tasks import Tasks
-from gateway.fronts.rosbridge import messages
-from gateway.fronts.rosbridge.operations.services import CallService
-from gateway.fronts.rosbridge.session import Session
 
 MAX_TIMEOUT_S: Final = 3600.0  # also if a client asks for no limit, by 0
 
@@ -53,7 +51,7 @@ class ServiceCalls:
 
         async def call() -> None:
             values = await self._service_clients.call(service, service_type, request.args, deadline)
-            _respond(session, request, values)
+            session.respond(request, values)
 
         self._calling.start(session, request, call, deadline)
 
@@ -68,11 +66,11 @@ class ServiceCalls:
         """Answer a call of rosapi, at once if no other node is needed, before anything else."""
         answer = rosapi.answer(service, request.args, request.timeout)
         if isinstance(answer, dict):
-            _respond(session, request, answer)
+            session.respond(request, answer)
             return
 
         async def ask() -> None:
-            _respond(session, request, await answer())
+            session.respond(request, await answer())
 
         self._asking.start(session, request, ask, deadline)
 
@@ -81,9 +79,3 @@ def _timeout_s(session: Session, request: CallService) -> float:
     if request.timeout is None:
         return session.limits.service_timeout_s
     return min(request.timeout, MAX_TIMEOUT_S) if request.timeout > 0 else MAX_TIMEOUT_S
-
-
-def _respond(session: Session, request: CallService, values: dict[str, object]) -> None:
-    named_values = named(values, request.nonfinite)
-    frame = messages.service_response(request.service, request.id, named_values, result=True)
-    session.send(frame, request.fragment_size)

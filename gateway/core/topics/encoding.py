@@ -16,13 +16,13 @@ from gateway.codec import cbor
 from gateway.codec.cdr import Cdr
 from gateway.codec.errors import CodecError
 from gateway.codec.grid_picture import GRID, cbor_grid_renderer, grid_renderer
-from gateway.codec.json import ascii_only
 from gateway.codec.json_slices import json_slices
 from gateway.codec.nonfinite import writer
 from gateway.codec.picture import cbor_picture_renderer, picture_renderer
 from gateway.codec.pieces import Piece, Pieces
 from gateway.codec.png import large_text_as_png, text_as_png
 from gateway.codec.types import MessageType
+from gateway.core.frames import Meta, PerClient
 from gateway.core.outbox import NOT_READY, NOTHING, Frame, NoFrame
 from gateway.core.topics.large_samples import (
     LARGE_ELEMENTS_BYTES,
@@ -33,8 +33,6 @@ from gateway.core.topics.large_samples import (
     LargeSamples,
 )
 from gateway.core.topics.subscription import EncodingKey, Subscription
-from gateway.fronts.rosbridge import messages
-from gateway.fronts.rosbridge.websocket_frames import Meta, PerClient, publish_frames
 from gateway.sources.source import Sample
 
 logger = logging.getLogger(__name__)
@@ -65,7 +63,7 @@ class Encoding:
         """Samples of more bytes than *most_at_once* are large."""
         self.subscriptions: list[Subscription] = []
         self.image = key.image
-        self.frames = publish_frames(key.requested_name, key.compression)
+        self.frames = key.framing.frames(key.requested_name, key.compression)
         self._encode = encode
         self._on_error = on_error
         self._large = large
@@ -246,7 +244,9 @@ class PerClientFrame:
             image = shared.encoding.image if subscription.follows_link else None
             quality = None if image is None else image.quality
             meta = Meta(shared.seq, self._received_ns, shared.size, subscription.lost, quality)
-        own = PerClient(shared.seq, meta, options.fragment_size, subscription.session.is_ros_sharp)
+        own = PerClient(
+            shared.seq, meta, options.fragment_size, subscription.session.reads_ascii_only
+        )
         if isinstance(message, Pieces):
             return shared.encoding.frames.per_client_pieces(message, own)
         return shared.encoding.frames.per_client(message, own)
@@ -295,8 +295,7 @@ def _nothing_of_it(key: EncodingKey) -> Encode:
         case "none":
             message = b"{}"
         case "png":
-            text = (messages.publish_prefix(key.requested_name), b"{}", messages.PUBLISH_SUFFIX)
-            message = text_as_png(ascii_only(b"".join(text)))
+            message = text_as_png(b"".join(key.framing.text(key.requested_name, (b"{}",))))
         case "cbor" | "cbor-raw":  # with the latter, fields are refused before
             message = cbor.head(cbor.MAP, 0)
     return lambda _: message
@@ -359,27 +358,24 @@ def _up_to_bytes(now_ns: int, size: int) -> bytes:
 def _to_png(message_type: MessageType, key: EncodingKey) -> Encode:
     """Return the function for a worker."""
     to_json = _to_json(message_type, key)
-    prefix = messages.publish_prefix(key.requested_name)
+    text, topic = key.framing.text, key.requested_name
 
     def encode(cdr: Cdr) -> bytes:
-        text = b"".join((prefix, to_json(cdr), messages.PUBLISH_SUFFIX))
-        return text_as_png(ascii_only(text))
+        return text_as_png(b"".join(text(topic, (to_json(cdr),))))
 
     if key.image is not None or not message_type.may_be_large:
         return encode
     decode = message_type.sliced_decoder(key.fields)  # now: it is not compiled in a worker
     write = writer(key.nonfinite)
 
-    def in_slices(cdr: Cdr) -> Iterator[bytes]:
-        yield ascii_only(prefix)
+    def message(cdr: Cdr) -> Iterator[bytes]:
         value = yield from decode(cdr, write)
-        yield from map(ascii_only, json_slices(value, write))
-        yield messages.PUBLISH_SUFFIX
+        yield from map(bytes, json_slices(value, write))
 
     def encode_any(cdr: Cdr) -> bytes:
         if len(cdr) <= LARGE_SAMPLE_BYTES:
             return encode(cdr)
-        return large_text_as_png(in_slices(cdr), _let_others_run)
+        return large_text_as_png(text(topic, message(cdr)), _let_others_run)
 
     return encode_any
 

@@ -26,7 +26,7 @@ def write_directly(entry: Entry, subscriptions: Sequence[Subscription]) -> Seque
             or outbox.size
             or socket.room_bytes <= 0
             or not subscription.is_direct
-            or session.is_ros_sharp
+            or session.reads_ascii_only
         ):
             others.append(subscription)
             continue

@@ -12,14 +12,14 @@ from gateway.core.advertisement_ids import AdvertisementIds
 from gateway.core.commands.commands import Commands
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit, unknown_topic
 from gateway.core.names import TopicName, resolve_topic
+from gateway.core.requests import Advertise, Publish, Unadvertise
+from gateway.core.session import Session
 from gateway.core.tasks import FAILURES, refuse
 from gateway.core.topic_counts import CountsByTopic, TopicCounts
 from gateway.core.topic_events import TopicEvents, warning
 from gateway.core.topic_types import TopicTypes
 from gateway.core.topics.published_pictures import PublishedPictures
 from gateway.core.topics.requested_qos import offered
-from gateway.fronts.rosbridge.operations.topics import Advertise, Publish, Unadvertise
-from gateway.fronts.rosbridge.session import Session
 from gateway.metrics.state import ClientPublication
 from gateway.sources.source import Publisher, Ros, RosError, TopicEvent
 
@@ -102,7 +102,7 @@ class Publications:
         if known is None:
             known = self._open(session, topic, request)
             text = f"advertised {topic} ({known.message_type.name})"
-            session.inform(text, request.op, request.id)
+            session.inform(text, request)
         else:
             self._check_type(topic, known, request.type)
             if request.has_pictures != known.has_pictures:
@@ -168,7 +168,7 @@ class Publications:
                     opened = self._open_publisher(session, topic, known.request, message_type)
                 except RosError as error:
                     problem = ProtocolError(error.code, f"topic {topic}: {error}")
-                    session.warn(problem, known.request.op, known.request.id)
+                    session.warn(problem, known.request)
                     continue
                 known.publisher.close()
                 known.publisher, known.message_type = opened, message_type
@@ -221,7 +221,7 @@ class Publications:
     ) -> None:
         """Warn a client of what keeps its messages from others."""
         self._events.report(topic, event)
-        session.warn(warning(event, session), request.op, request.id)
+        session.warn(warning(event, session), request)
 
     def _send(
         self,

@@ -5,6 +5,7 @@ import asyncio
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import partial
 from typing import Final, NamedTuple
 
@@ -14,10 +15,10 @@ from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE, pixel_maker
 from gateway.codec.types import MessageType
 from gateway.core.errors import ProtocolError
 from gateway.core.names import TopicName
+from gateway.core.requests import Publish
+from gateway.core.session import Session
 from gateway.core.tasks import answered
 from gateway.core.topic_types import TopicTypes
-from gateway.fronts.rosbridge.operations.topics import Publish
-from gateway.fronts.rosbridge.session import Session
 from gateway.sources.source import Ros
 
 # of pictures as the gateway sends them, next to the fields of CompressedImage, not needed here
@@ -76,7 +77,7 @@ class PublishedPictures:
         replaced = waiting.pop(topic, None)
         session.replaced += replaced is not None
         # without the message: it is as long as its CDR
-        waiting[topic] = _Picture(request.model_copy(update={"msg": None}), is_map, cdr, send)
+        waiting[topic] = _Picture(replace(request, msg=None), is_map, cdr, send)
         while sum(len(each.cdr) for each in waiting.values()) > session.limits.max_message_bytes:
             del waiting[next(iter(waiting))]
             session.replaced += 1

@@ -9,9 +9,9 @@ from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
 from gateway.codec.picture_formats import PICTURE_FORMATS
 from gateway.codec.types import MessageType
 from gateway.core.errors import ProtocolError
+from gateway.core.requests import ImageFormat, Subscribe
 from gateway.core.topics.picture_adaptation import Step
 from gateway.core.topics.subscription_options import SubscriptionOptions
-from gateway.fronts.rosbridge.operations.topics import ImageFormat, Subscribe
 
 
 def requested_picture(

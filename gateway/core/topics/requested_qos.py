@@ -6,8 +6,8 @@ from typing import Final
 
 from gateway.codec.types import MessageType
 from gateway.config.limits import MAX_QUEUE_DEPTH
+from gateway.core.requests import Advertise
 from gateway.core.topics.subscription_options import SubscriptionOptions
-from gateway.fronts.rosbridge.operations.topics import Advertise, Duration, QosRequest, SecsNsecs
 from gateway.sources.source import BRIEF_LIFESPAN_NS, MAX_TAKES_PER_TURN, Qos
 
 # The depth of a publisher of messages that may be large, such as pictures of 10 MB: DDS does not
@@ -21,7 +21,7 @@ def subscribed(options: SubscriptionOptions, message_type: MessageType) -> Qos:
     If the depth is left open, DDS keeps so many small messages that a burst is complete. Large ones
     would fill the memory, and they should make room for newer ones.
     """
-    asked = requested(options.qos)
+    asked = options.qos
     if asked.depth is not None:
         return asked
     depth: int | None = MAX_QUEUE_DEPTH
@@ -31,21 +31,9 @@ def subscribed(options: SubscriptionOptions, message_type: MessageType) -> Qos:
     return replace(asked, depth=depth)
 
 
-def requested(request: QosRequest) -> Qos:
-    """Translate a `qos` object. Members that are missing or best available are adopted."""
-    return Qos(
-        reliability=None if request.reliability == "best_available" else request.reliability,
-        durability=None if request.durability == "best_available" else request.durability,
-        history=request.history,
-        depth=request.depth,
-        deadline_ns=_nanoseconds(request.deadline),
-        lifespan_ns=_nanoseconds(request.lifespan),
-    )
-
-
 def offered(request: Advertise, message_type: MessageType) -> Qos:
     """Return the offer of a publisher: `qos` if given, else one from latch and queue_size."""
-    asked = requested(request.qos or QosRequest())
+    asked = request.qos or Qos()
     if request.latch:
         # a latched topic of ROS 1: the last message, for all later subscribers
         durability = asked.durability or "transient_local"
@@ -57,12 +45,3 @@ def offered(request: Advertise, message_type: MessageType) -> Qos:
         # Subscribers that ask for transient local also match it, and nothing old reaches them.
         return replace(asked, durability="transient_local", lifespan_ns=lifespan_ns)
     return asked
-
-
-def _nanoseconds(duration: Duration) -> int | None:
-    match duration:
-        case None | "infinite" | 0:  # 0 is rmw's unspecified duration: no limit
-            return None
-        case SecsNsecs():
-            return duration.secs * 1_000_000_000 + duration.nsecs or None
-    return round(duration * 1e9)

@@ -8,12 +8,11 @@ sample shows that it is gone.
 import asyncio
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from gateway.core.errors import StatusCode
 from gateway.core.topics.subscription import Subscription
-from gateway.fronts.rosbridge import messages
 
 # A report comes a tick or two late: half of the shortest `stale_after_ms`. A tick takes 1 ms with
 # 2,048 subscriptions.
@@ -88,12 +87,5 @@ class SilenceWatch:
 def _report(subscription: Subscription, code: StatusCode, text: str) -> None:
     """Send a status whatever `set_level` says, as the client has asked for it."""
     asked = [each for each in subscription.requests.values() if each.stale_after_ms is not None]
-    subscription.session.send(
-        messages.status(
-            "warning" if code == "stale" else "info",
-            f"topic {subscription.topic_name}: {text}",
-            code=code,
-            request="subscribe",
-            request_id=asked[-1].id if asked else None,
-        )
-    )
+    request = asked[-1] if asked else replace(subscription.newest_request, id=None)
+    subscription.session.alert(code, f"topic {subscription.topic_name}: {text}", request)

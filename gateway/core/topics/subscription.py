@@ -9,15 +9,15 @@ from typing import NamedTuple
 from gateway.codec.image import ImageOptions
 from gateway.codec.nonfinite import NonFinite
 from gateway.core.errors import ProtocolError
+from gateway.core.frames import Framing
 from gateway.core.names import TopicName
 from gateway.core.outbox import Entry
+from gateway.core.requests import Compression, Subscribe
+from gateway.core.session import Session
 from gateway.core.topic_counts import NOTHING_DELIVERED, TopicCounts
 from gateway.core.topics.picture_adaptation import PictureAdaptation
 from gateway.core.topics.subscription_options import SubscriptionOptions
 from gateway.core.topics.throttle import Throttle
-from gateway.fronts.rosbridge.operations.topics import Subscribe
-from gateway.fronts.rosbridge.session import Session
-from gateway.fronts.rosbridge.websocket_frames import Compression
 from gateway.metrics.state import Delivery
 from gateway.sources.source import Qos
 
@@ -33,6 +33,7 @@ class TopicKey(NamedTuple):
 class EncodingKey(NamedTuple):
     """Subscriptions to one topic with equal keys share the bytes of each sample."""
 
+    framing: Framing
     requested_name: str  # of the topic: clients match frames by that text
     fields: tuple[str, ...] | None
     image: ImageOptions | None  # None: a plain message
@@ -208,7 +209,7 @@ class Subscription:
     def warn(self, error: ProtocolError) -> None:
         """Warn the client of something that its subscription suffers from."""
         request = self.newest_request
-        self.session.warn(error, request.op, request.id)
+        self.session.warn(error, request)
 
     def sent_at_once(self, arrived_ns: int) -> None:
         """Note how long a sample took from DDS to the socket, unless it waits."""

@@ -7,9 +7,9 @@ from typing import Final, TypeVar, get_args
 
 from gateway.codec.nonfinite import NonFinite
 from gateway.config.limits import MAX_QUEUE_DEPTH
+from gateway.core.requests import Compression, ImageRequest, Subscribe
 from gateway.core.topics.throttle import Pace
-from gateway.fronts.rosbridge.operations.topics import ImageRequest, QosRequest, Subscribe
-from gateway.fronts.rosbridge.websocket_frames import Compression
+from gateway.sources.source import Qos
 
 # As many as DDS keeps of small messages: a burst is complete, and a hiccup of WiFi ridden out. On a
 # link that is too slow the outbox keeps what is fresh.
@@ -32,7 +32,7 @@ class SubscriptionOptions:
     """
 
     type: str | int | None
-    qos: QosRequest
+    qos: Qos
     fields: tuple[str, ...] | None
     image: ImageRequest
     meta: bool
@@ -49,7 +49,7 @@ class SubscriptionOptions:
         asked = list(requests)
         image = _newest(request.image for request in asked) or ImageRequest()
         lengths = [request.queue_length for request in asked if request.queue_length]
-        throttle_ms = min(request.throttle_rate or 0 for request in asked)
+        throttle_ms = min(request.throttle_ms for request in asked)
         throttle_length = min(lengths, default=1)
         if image.max_fps is not None and 1000 / image.max_fps > throttle_ms:
             throttle_ms, throttle_length = 1000 / image.max_fps, 1  # pictures are to be fresh
@@ -61,7 +61,7 @@ class SubscriptionOptions:
         sizes = [known for request in asked if (known := request.fragment_size) is not None]
         return cls(
             type=types[-1] if types else None,
-            qos=_newest(request.qos for request in asked) or QosRequest(),
+            qos=_newest(request.qos for request in asked) or Qos(),
             fields=fields,
             image=image,
             meta=any(request.meta for request in asked),

@@ -3,6 +3,7 @@
 
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import partial
 
 from gateway.codec.error_text import did_you_mean, truncate
@@ -11,6 +12,8 @@ from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
 from gateway.codec.types import MessageType
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit
 from gateway.core.names import TopicName, resolve_topic
+from gateway.core.requests import Subscribe, Unsubscribe
+from gateway.core.session import Session
 from gateway.core.topic_counts import CountsByTopic
 from gateway.core.topic_events import TopicEvents
 from gateway.core.topic_types import TopicTypes, TypeAskedError
@@ -22,8 +25,6 @@ from gateway.core.topics.silence_watch import SilenceWatch
 from gateway.core.topics.subscription import EncodingKey, Feed, Subscription, TopicKey
 from gateway.core.topics.subscription_options import SubscriptionOptions, compression
 from gateway.core.topics.topic import Topic
-from gateway.fronts.rosbridge.operations.topics import Subscribe, Unsubscribe
-from gateway.fronts.rosbridge.session import Session
 from gateway.metrics.state import ClientTopic, Delivery
 from gateway.sources.source import Graph, Ros, RosError
 
@@ -231,7 +232,14 @@ class Subscriptions:
         nonfinite = options.nonfinite if is_json else "null"
         return Feed(
             TopicKey(name, message_type.name, subscribed(options, message_type)),
-            EncodingKey(requested_name, options.fields, image, options.compression, nonfinite),
+            EncodingKey(
+                session.framing,
+                requested_name,
+                options.fields,
+                image,
+                options.compression,
+                nonfinite,
+            ),
         )
 
     def _reapply(
@@ -343,21 +351,21 @@ class Subscriptions:
         if compression(request) == "none" and request.compression not in _NO_COMPRESSION:
             unknown = truncate(request.compression or "")
             text = f"compression: {unknown!r} is not available, sending plain JSON"
-            session.warn(ProtocolError("bad_request", text), request.op, request.id)
+            session.warn(ProtocolError("bad_request", text), request)
         if asked is not None:
             text = f"topic {name}: {asked.question}, waiting for it"
-            session.inform(text, request.op, request.id)
+            session.inform(text, request)
         elif source is None:
             hint = _topic_meant(name, self._ros.graph(), session)
             text = f"topic {name} is not known yet, waiting for it{hint}"
-            session.warn(ProtocolError("not_found", text), request.op, request.id)
+            session.warn(ProtocolError("not_found", text), request)
         else:
             type_name = source.topic.type_name
             is_plain = source.encoding.image is None
             if is_plain and (text := why_plain(request, subscription.options, type_name)):
-                session.warn(ProtocolError("bad_request", text), request.op, request.id)
+                session.warn(ProtocolError("bad_request", text), request)
             text = f"subscribed to {name} ({type_name})"
-            session.inform(text, request.op, request.id)
+            session.inform(text, request)
 
 
 def _with_bounded_queue(request: Subscribe, session: Session) -> Subscribe:
@@ -367,8 +375,8 @@ def _with_bounded_queue(request: Subscribe, session: Session) -> Subscribe:
         return request
     text = f"queue_length: {request.queue_length} is longer than allowed, {longest} messages wait"
     warning = ProtocolError("limit_exceeded", f"{text}: for more, raise limits.max_queue_length")
-    session.warn(warning, request.op, request.id)
-    return request.model_copy(update={"queue_length": longest})
+    session.warn(warning, request)
+    return replace(request, queue_length=longest)
 
 
 def _check_compression(request: Subscribe) -> None:

@@ -165,7 +165,7 @@ class Topic:
                 # several go by the queues, where newer ones take the place of older ones
                 others = everyone if more else write_directly(shared, everyone)
                 for subscription in others:
-                    if subscription.shares_frames and not subscription.session.is_ros_sharp:
+                    if subscription.shares_frames and not subscription.session.reads_ascii_only:
                         has_waiting |= subscription.offer(
                             shared, now_ns, more=more, publisher=sample.publisher
                         )

@@ -5,7 +5,7 @@ from typing import Any
 
 from gateway.codec.error_text import truncate
 from gateway.core.errors import ProtocolError
-from gateway.fronts.rosbridge import messages
+from gateway.core.ros_time import stamp
 from gateway.tf.buffer import FoundTransform
 from gateway.tf.errors import ExtrapolationError, TransformError
 
@@ -14,7 +14,7 @@ def transform_stamped(target: str, source: str, found: FoundTransform) -> dict[s
     """Return geometry_msgs/msg/TransformStamped: *source* in *target*, by these names."""
     x, y, z, qx, qy, qz, qw = found.transform
     return {
-        "header": {"stamp": messages.time(found.stamp_ns), "frame_id": target},
+        "header": {"stamp": stamp(found.stamp_ns), "frame_id": target},
         "child_frame_id": source,
         "transform": {
             "translation": {"x": x, "y": y, "z": z},

@@ -5,16 +5,14 @@ import asyncio
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
-import orjson
-
 from gateway.codec.json import dumps
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit
 from gateway.core.outbox import Queue
+from gateway.core.requests import CancelTransform, LookupTransform
+from gateway.core.session import Session
 from gateway.core.transforms.answers import refusal, transform_stamped
 from gateway.core.transforms.rate_limiter import RateLimiter
 from gateway.core.transforms.tf_listener import RETRY_S, TfListener
-from gateway.fronts.rosbridge.operations.transforms import CancelTransform, LookupTransform
-from gateway.fronts.rosbridge.session import Session
 from gateway.tf.buffer import Buffer, FoundTransform
 from gateway.tf.errors import ExtrapolationError, TransformError
 
@@ -67,7 +65,7 @@ class TransformLookups:
             ProtocolError: it is refused, and nothing has changed.
             RosError: ROS refuses the subscriptions.
         """
-        if request.time is not None:
+        if request.stamp_ns is not None:
             raise ProtocolError(
                 "bad_request", "time: not allowed with rate, which sends the newest"
             )
@@ -219,10 +217,8 @@ class _SharedLookup:
 
     def _put(self, periodic: _PeriodicLookup) -> None:
         periodic.stop_waiting()
-        request_id = periodic.request.id
-        identity = b"" if request_id is None else b',"id":' + orjson.dumps(request_id)
-        payload = b'{"op":"lookup_transform"%b,"transform":%b}' % (identity, self._body)
-        periodic.queue.put(_TransformFrame(periodic.session.framed(payload)))
+        frame = periodic.session.transform_frame(periodic.request.id, self._body)
+        periodic.queue.put(_TransformFrame(frame))
         periodic.session.wake()
 
     def _miss(self, periodic: _PeriodicLookup) -> None:
@@ -238,7 +234,7 @@ class _SharedLookup:
         except TransformError as error:
             reason = refusal(error)
             waiting = ProtocolError(reason.code, f"still waiting: {reason}")
-            periodic.session.warn(waiting, periodic.request.op, periodic.request.id)
+            periodic.session.warn(waiting, periodic.request)
 
 
 def _timeout_s(request: LookupTransform) -> float:
@@ -246,7 +242,6 @@ def _timeout_s(request: LookupTransform) -> float:
 
 
 def _look(buffer: Buffer, request: LookupTransform) -> dict[str, Any]:
-    target, source, asked = request.target_frame, request.source_frame, request.time
-    # a zero time is the newest one, as in tf2
-    stamp_ns = None if asked is None else asked.sec * 1_000_000_000 + asked.nanosec or None
+    target, source = request.target_frame, request.source_frame
+    stamp_ns = request.stamp_ns or None  # a zero time is the newest one, as in tf2
     return transform_stamped(target, source, buffer.lookup(target, source, stamp_ns))

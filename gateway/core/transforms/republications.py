@@ -10,12 +10,11 @@ from typing import Final, NamedTuple
 from gateway.codec.json import dumps
 from gateway.core.errors import ProtocolError, over_limit
 from gateway.core.outbox import NOTHING, Frame, Queue
+from gateway.core.requests import Request
+from gateway.core.session import Session
 from gateway.core.transforms.answers import refusal, transform_stamped
 from gateway.core.transforms.rate_limiter import RateLimiter
 from gateway.core.transforms.tf_listener import TfListener
-from gateway.fronts.rosbridge.operations import ClientOperation
-from gateway.fronts.rosbridge.republish_requests import RepublishRequest
-from gateway.fronts.rosbridge.session import Session
 from gateway.tf.buffer import Buffer
 from gateway.tf.errors import TransformError
 from gateway.tf.rigid import Rigid
@@ -39,18 +38,6 @@ class ArrayKey(NamedTuple):
     angular_thres: float
     trans_thres: float
 
-    @classmethod
-    def of(cls, request: RepublishRequest) -> "ArrayKey":
-        """Return the key of a request. As in tf2_web_republisher, a leading slash is dropped."""
-        sources = dict.fromkeys(name.removeprefix("/") for name in request.source_frames)
-        return cls(
-            request.target_frame.removeprefix("/"),
-            tuple(sources),
-            request.rate_hz,
-            request.angular_thres,
-            request.trans_thres,
-        )
-
 
 @dataclass(slots=True, eq=False)
 class Republication:
@@ -61,8 +48,7 @@ class Republication:
 
     session: Session
     key: ArrayKey
-    op: str  # of the request, which warnings name. The request itself may be large
-    request_id: str | int | None
+    request: Request  # which warnings are about
     wrap: Callable[[bytes], bytes]
     queue: Queue
     has_begun: bool = False
@@ -94,7 +80,7 @@ class Republication:
         if reason is not None:
             others = f", and {len(missing) - 1} more are missing" if len(missing) > 1 else ""
             warning = ProtocolError(reason.code, f"{reason}{others}; waiting")
-            self.session.warn(warning, self.op, self.request_id)
+            self.session.warn(warning, self.request)
 
 
 class Republications:
@@ -116,8 +102,8 @@ class Republications:
     def add(
         self,
         session: Session,
-        request: RepublishRequest,
-        operation: ClientOperation,
+        key: ArrayKey,
+        request: Request,
         wrap: Callable[[bytes], bytes],
     ) -> Republication:
         """Add an array. Nothing is sent until it begins.
@@ -132,8 +118,7 @@ class Republications:
             raise over_limit(limit, "arrays of transforms per client", "max_transforms")
         self._listener.acquire()
         queue = session.outbox.open_queue(1, None)  # a newer array replaces one that waits
-        key = ArrayKey.of(request)
-        added = Republication(session, key, operation.op, operation.id, wrap, queue)
+        added = Republication(session, key, request, wrap, queue)
         self._own.setdefault(session, own).add(added)
         return added
 

@@ -5,8 +5,7 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from gateway.codec.error_text import MAX_ECHO, misspelt, suggestion, truncate
-from gateway.core.errors import Level, ProtocolError
-from gateway.fronts.rosbridge.messages import SEVERITY
+from gateway.core.errors import SEVERITY, Level, ProtocolError
 from gateway.fronts.rosbridge.operations import OPERATIONS, rosbridge
 
 # Of one connection: to compare a key takes 0.1 ms, and a program sends the same ones again.

@@ -9,8 +9,6 @@ import orjson
 from gateway.codec.json import dumps
 from gateway.core.errors import Level, StatusCode
 
-SEVERITY: Final[Mapping[Level, int]] = {"none": 0, "error": 1, "warning": 2, "info": 3}
-
 
 def status(
     level: Level,
@@ -121,10 +119,10 @@ def action_result(
     return dumps(frame if goal_id is None else frame | {"id": goal_id})
 
 
+def transform(request_id: str | int | None, transform: bytes) -> bytes:
+    """Build an answer to `lookup_transform` of JSON that several clients share."""
+    identity = b"" if request_id is None else b',"id":' + orjson.dumps(request_id)
+    return b'{"op":"lookup_transform"%b,"transform":%b}' % (identity, transform)
+
+
 PUBLISH_SUFFIX: Final = b"}"
-
-
-def time(nanoseconds: int) -> dict[str, int]:
-    """Split nanoseconds as builtin_interfaces/msg/Time does."""
-    sec, nanosec = divmod(nanoseconds, 1_000_000_000)
-    return {"sec": sec, "nanosec": nanosec}

@@ -1,33 +1,35 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One client's state: its limits, its fragments and its outbox."""
+"""A client of rosbridge: what it sends becomes operations, what it is told becomes frames."""
 
-import itertools
 import logging
-from collections.abc import Callable, Generator, Hashable
-from typing import Final, NamedTuple, TypeAlias
+from collections.abc import Callable, Generator
+from typing import Any, Final, NamedTuple, TypeAlias
 
 from pydantic import ValidationError
 
-from gateway.access.permissions import UNLIMITED, Action, Identity
+from gateway.access.permissions import UNLIMITED, Identity
 from gateway.codec import cbor_reader
 from gateway.codec.error_text import hint, truncate
 from gateway.codec.errors import JsonError
 from gateway.codec.json import ascii_only, loads, loads_in_slices
+from gateway.codec.nonfinite import named
 from gateway.config.limits import Limits
-from gateway.core.errors import Level, ProtocolError
-from gateway.core.outbox import Outbox
+from gateway.core import requests
+from gateway.core.errors import Level, ProtocolError, StatusCode
+from gateway.core.requests import Request, RequestId
 from gateway.fronts.rosbridge import messages
 from gateway.fronts.rosbridge.dialect import Dialect
 from gateway.fronts.rosbridge.explain import explain
 from gateway.fronts.rosbridge.fragments import Assembly
 from gateway.fronts.rosbridge.operations import OPERATIONS, ClientOperation
-from gateway.fronts.rosbridge.operations.base import MAX_ID_CHARACTERS, Operation
+from gateway.fronts.rosbridge.operations.actions import SendActionGoal
+from gateway.fronts.rosbridge.operations.base import MAX_ID_CHARACTERS
 from gateway.fronts.rosbridge.operations.commands import Stop
 from gateway.fronts.rosbridge.operations.fragment import Fragment
-from gateway.fronts.rosbridge.operations.gateway import Auth, Help
-from gateway.fronts.rosbridge.operations.topics import ImageFormat
-from gateway.fronts.rosbridge.websocket_frames import text_frames
-from gateway.metrics.histogram import Histogram
+from gateway.fronts.rosbridge.operations.gateway import Help
+from gateway.fronts.rosbridge.operations.services import CallService
+from gateway.fronts.rosbridge.publish_frames import FRAMING, text_frames
+from gateway.transport.front import ClientSession
 
 Reading: TypeAlias = Generator[None, None, ClientOperation | None]
 """Parses a long message, with pauses in which other clients can have their turn."""
@@ -55,52 +57,20 @@ _NAMED_BY: Final = {"call_service": "service", "send_action_goal": "action"}
 logger = logging.getLogger(__name__)
 
 
-class Session:
-    """The sans-I/O core of a connection.
+class RosbridgeSession(ClientSession):
+    """The sans-I/O core of a connection that speaks rosbridge's protocol.
 
-    Give it every message in order (`receive`), carry out the operation that it returns, and send
-    the content of its `outbox` whenever it calls *wake*.
-
-    *identity* is ``None`` until the client has authenticated, if it must.
+    Give it every message in order (`receive`), and carry out the operation that it returns.
     """
+
+    framing = FRAMING
+    NOT_AUTHENTICATED = NOT_AUTHENTICATED
 
     def __init__(
         self, limits: Limits, wake: Callable[[], None], identity: Identity | None = UNLIMITED
     ) -> None:
-        self.limits = limits
-        self.identity = identity
-        self.address = "?"
-        self.client = "?"  # address and number, for logs and metrics
-        self.latency = Histogram()  # of what its topics sent, see `Queue.on_timed`
-        # set if clients have to show a token
-        self.authenticate: Callable[[Auth], None] = lambda request: None
-        self.outbox = Outbox(limits.send_queue_bytes)
-        self.wake = wake
-        # takes what work for this client has taken from its time budget: seconds, and the time.
-        # Returns whether something is left
-        self.spend: Callable[[float, float], bool] = lambda spent_s, now_s: True
-        # takes what a large message asks for: to read it has taken enough of this turn
-        self.next_turn: Callable[[Callable[[], None]], None] = lambda work: work()
-        # for how long the message at hand may have waited until we read it, in seconds
-        self.waited_s: Callable[[], float] = lambda: 0.0
-        # whether it has control of a command topic: then its input goes before that of others
-        self.drives: Callable[[], bool] = lambda: False
-        self.is_overtaken = False  # the message at hand, by a `stop` that came later
-        self.received = 0
-        self.refused = 0
-        # called with each message that is neither JSON nor CBOR, once it is refused
-        self.on_unreadable: Callable[[bytes], None] = lambda data: None
-        self.read_bytes = 0  # of the newest one, put together
-        self.is_ros_sharp = False  # it reads ASCII only, and `values` of the type only
-        self.numbers = itertools.count(1)  # of the calls and goals passed on to this client
-        # raises ProtocolError if the client may not have one more ROS entity
-        self.check_share: Callable[[], None] = lambda: None
-        # called with whatever the client's role forbids
-        self.on_forbidden: Callable[[ProtocolError, Operation], None] = lambda *_: None
-        self.image_format: ImageFormat = "jpeg"  # of pictures for which it asks for none
-        self.is_behind = False  # its time budget is spent, and what it has sent waits
-        self.replaced = 0  # of what it deferred, by something newer
-        self.deferred: dict[Hashable, DeferredWork] = {}
+        super().__init__(limits, wake, identity)
+        self.read_bytes = 0  # of the newest message, put together
         self._dialect = Dialect()
         self._assembly = Assembly(limits.max_message_bytes)
         # read for every message, and attributes of a pydantic model cost 40 ns more than others
@@ -128,12 +98,12 @@ class Session:
         if not isinstance(operation, Fragment):
             return operation
         if self.identity is None:  # whose pieces would take memory
-            self.refuse(ProtocolError("forbidden", NOT_AUTHENTICATED), operation)
+            self._refuse_fragment(ProtocolError("forbidden", NOT_AUTHENTICATED), operation)
             return None
         try:
             whole = self._assembly.add(operation, now_ns)
         except ProtocolError as error:
-            self.refuse(error, operation)
+            self._refuse_fragment(error, operation)
             return None
         if whole is None:
             return None
@@ -145,7 +115,8 @@ class Session:
     def _not_nested(self, operation: ClientOperation | Fragment | None) -> ClientOperation | None:
         """Return an operation that came in fragments, unless it is itself a fragment."""
         if isinstance(operation, Fragment):
-            self.refuse(ProtocolError("bad_request", "fragment: within a fragment"), operation)
+            error = ProtocolError("bad_request", "fragment: within a fragment")
+            self._refuse_fragment(error, operation)
             return None
         return operation
 
@@ -158,67 +129,92 @@ class Session:
         except ProtocolError:
             return False
 
-    def defer(self, key: Hashable, operation: ClientOperation, work: Callable[[], None]) -> None:
-        """Do *work* for an operation at the end of this turn, or before one of another kind.
-
-        If another of the same key comes until then, that takes its place: of what is set many
-        times only the newest counts.
-        """
-        self.replaced += key in self.deferred
-        self.deferred[key] = DeferredWork(operation, work)
-
-    @property
-    def identity(self) -> Identity | None:
-        """The client's identity, once it is known."""
-        return self._identity
-
-    @identity.setter
-    def identity(self, identity: Identity | None) -> None:
-        self._identity = identity
-        # true if an operation may be forbidden, read for every operation
-        self.is_restricted = identity is None or not identity.permissions.is_unlimited
-
-    def may(self, action: Action, name: str) -> bool:
-        """Return whether the client may do this with a resolved name."""
-        if self.identity is None:
-            return False
-        return not self.is_restricted or self.identity.permissions.may(action, name)
-
-    def sees(self, name: str) -> bool:
-        """Return whether a resolved name exists for the client."""
-        if self.identity is None:
-            return False
-        return not self.is_restricted or self.identity.permissions.sees(name)
-
-    def refuse(self, error: ProtocolError, operation: Operation | None = None) -> None:
-        """Answer an operation that failed. Without one, report the error alone.
+    def refuse(self, error: ProtocolError, request: Request | None = None) -> None:
+        """Answer a request that failed. Without one, report the error alone.
 
         A call gets its response and a goal its result, as clients wait for these. Everything else
         gets a `status`.
         """
         asked = _Asked()
-        if operation is not None:
-            name = getattr(operation, _NAMED_BY.get(operation.op, ""), None)
-            asked = _Asked(operation.op, operation.id, name)
+        if request is not None:
+            name = getattr(request, _NAMED_BY.get(request.kind, ""), None)
+            asked = _Asked(request.kind, request.id, name)
             if error.code == "forbidden":
-                self.on_forbidden(error, operation)
+                self.on_forbidden(error, request)
         self._refuse(error, asked)
 
     def set_level(self, level: Level) -> None:
         """Send only `status` frames of this severity or worse."""
         self._dialect.choose(level)
 
-    def warn(self, error: ProtocolError, op: str, request_id: str | int | None) -> None:
-        """Warn the client of something that may surprise it but is not a failure."""
-        self._say("warning", str(error), error, op, request_id)
+    def warn(self, error: ProtocolError, request: Request) -> None:
+        """Send a `status`, unless the client hears errors alone."""
+        self._say("warning", str(error), error, request.kind, request.id)
 
-    def inform(self, text: str, op: str, request_id: str | int | None) -> None:
-        """Report what was done to a client that asked for it (`set_level` info)."""
-        self._say("info", text, None, op, request_id)
+    def inform(self, text: str, request: Request) -> None:
+        """Send a `status` to a client that asked for it (`set_level` info)."""
+        self._say("info", text, None, request.kind, request.id)
 
-    def answer(self, op: str, request_id: str | int | None, **members: object) -> None:
-        """Send the answer to an operation."""
-        self.send(messages.answer(op, request_id, **members))
+    def alert(self, code: StatusCode, text: str, request: Request) -> None:
+        """Send a `status`, whatever `set_level` says."""
+        level: Level = "warning" if code == "stale" else "info"
+        self.send(
+            messages.status(level, text, code=code, request=request.kind, request_id=request.id)
+        )
+
+    def answer(self, kind: str, request_id: RequestId, **members: Any) -> None:
+        """Send the answer to an operation of the gateway's own."""
+        self.send(messages.answer(kind, request_id, **members))
+
+    def describe(
+        self, request_id: RequestId, example: dict[str, Any] | None, members: dict[str, Any]
+    ) -> None:
+        """Send the answer to `describe`."""
+        self.send(messages.description(request_id, example, members))
+
+    def respond(self, request: requests.CallService, values: dict[str, Any]) -> None:
+        """Send a `service_response`."""
+        asked = _form(request.form)
+        named_values = named(values, asked.nonfinite)
+        frame = messages.service_response(request.service, request.id, named_values, result=True)
+        self.send(frame, asked.fragment_size)
+
+    def finish(self, request: requests.SendActionGoal, values: dict[str, Any], status: int) -> None:
+        """Send an `action_result`."""
+        asked = _form(request.form)
+        named_values = named(values, asked.nonfinite)
+        frame = messages.action_result(
+            request.action, request.id, named_values, status=status, result=True
+        )
+        self.send(frame, asked.fragment_size)
+
+    def feedback_frame(self, request: requests.SendActionGoal, values: dict[str, Any]) -> bytes:
+        """Return the frames of an `action_feedback`."""
+        asked = _form(request.form)
+        frame = messages.action_feedback(request.action, request.id, named(values, asked.nonfinite))
+        return self.framed(frame, asked.fragment_size)
+
+    def transform_frame(self, request_id: RequestId, transform: bytes) -> bytes:
+        """Return the frame of a `lookup_transform`."""
+        return self.framed(messages.transform(request_id, transform))
+
+    # The forms of the ids are rosbridge's: ROS# parses them.
+
+    def pass_call(self, service: str, name: str, args: object) -> str:
+        """Send a `call_service` to the client that provides the service."""
+        call_id = f"service_request:{service}:{next(self._numbers)}"
+        self._ask(messages.call_service(name, call_id, args))
+        return call_id
+
+    def pass_goal(self, action: str, name: str, type_name: str, args: object) -> str:
+        """Send a `send_action_goal` to the client that provides the action."""
+        goal_id = f"action_goal:{action}:{next(self._numbers)}"
+        self._ask(messages.send_action_goal(name, goal_id, type_name, args))
+        return goal_id
+
+    def pass_cancel(self, name: str, goal_id: str) -> None:
+        """Send a `cancel_action_goal` to the client that provides the action."""
+        self._ask(messages.cancel_action_goal(name, goal_id))
 
     def send(self, payload: bytes, fragment_size: int | None = None) -> None:
         """Send JSON ahead of everything that waits in queues.
@@ -228,7 +224,7 @@ class Session:
         self.outbox.put_control(self.framed(payload, fragment_size))
         self.wake()
 
-    def ask(self, payload: bytes) -> None:
+    def _ask(self, payload: bytes) -> None:
         """Send a request to a client that provides a service or an action, as ASCII.
 
         ROS# reads only ASCII, and a client that only provides sends nothing that identifies ROS#.
@@ -237,7 +233,7 @@ class Session:
 
     def framed(self, payload: bytes, fragment_size: int | None = None) -> bytes:
         """Return JSON as the wire bytes for this client. *fragment_size* is as for `send`."""
-        text = ascii_only(payload) if self.is_ros_sharp else payload
+        text = ascii_only(payload) if self.reads_ascii_only else payload
         self._fragmented += fragment_size is not None
         return text_frames(text, fragment_size, f"answer:{self._fragmented}")
 
@@ -275,12 +271,13 @@ class Session:
 
     def _operation(self, values: dict[str, object]) -> ClientOperation | Fragment:
         if values.get("fragment_size") == ROS_SHARP_FRAGMENT_SIZE:
-            self.is_ros_sharp = True
+            self.reads_ascii_only = True
         model = _model(values.get("op"))
         misspelt = self._dialect.note(model.op, values)
         operation = _read(model, values, misspelt)
         if misspelt:
-            self.warn(ProtocolError("bad_request", misspelt), operation.op, operation.id)
+            error = ProtocolError("bad_request", misspelt)
+            self._say("warning", misspelt, error, operation.op, operation.id)
         return operation
 
     def _refuse_malformed(
@@ -290,6 +287,9 @@ class Session:
         if error.code == "bad_json":
             self.on_unreadable(data)
 
+    def _refuse_fragment(self, error: ProtocolError, fragment: Fragment) -> None:
+        self._refuse(error, _Asked(fragment.op, fragment.id))
+
     def _expire(self, now_ns: int) -> None:
         for fragment_id, progress in self._assembly.expire(now_ns):
             error = ProtocolError("limit_exceeded", f"fragment: {progress}")
@@ -298,7 +298,7 @@ class Session:
     def _refuse(self, error: ProtocolError, asked: "_Asked") -> None:
         self.refused += 1
         text = str(error)
-        values = {} if self.is_ros_sharp else text
+        values = {} if self.reads_ascii_only else text
         # some clients recognise a response by this name, so it is the name as requested
         name = asked.name if isinstance(asked.name, str) else ""
         match asked:
@@ -325,11 +325,10 @@ class Session:
             logger.info("status not sent to this client: %s", text, extra=extra)
 
 
-class DeferredWork(NamedTuple):
-    """Work that is done at the end of a turn, and the operation that is answered if it fails."""
-
-    operation: ClientOperation
-    work: Callable[[], None]
+def _form(form: object) -> CallService | SendActionGoal:
+    """Return the operation that a request was made of."""
+    assert isinstance(form, CallService | SendActionGoal)  # noqa: S101  # they set it
+    return form
 
 
 class _Asked(NamedTuple):

@@ -6,13 +6,13 @@ import pytest
 
 from gateway.core.errors import ProtocolError
 from gateway.core.introspection.parameter_operations import ParameterOperations
-from gateway.core.rosapi import Parameters, SetResult
-from gateway.fronts.rosbridge.operations.parameters import (
+from gateway.core.requests import (
     DescribeParameters,
     GetParameters,
     ListParameters,
     SetParameters,
 )
+from gateway.core.rosapi import Parameters, SetResult
 
 
 class Scripted:
@@ -46,7 +46,7 @@ async def test_names_are_listed() -> None:
 @pytest.mark.parametrize("names", [None, ("speed",)])
 async def test_values_are_read(names: Sequence[str] | None) -> None:
     operations, scripted = build({"speed": 0.5})
-    request = GetParameters.model_validate({"node": "/robot", "names": names})
+    request = GetParameters(node="/robot", names=None if names is None else tuple(names))
     assert await operations.get(request) == {"node": "/robot", "values": {"speed": 0.5}}
     assert scripted.asked == ("/robot", names, 2.5)
 

@@ -110,7 +110,7 @@ async def test_values_that_do_not_fit_are_refused_and_fail_the_call(bench: Bench
 async def test_a_client_that_never_answers_lets_the_call_fail_in_time(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    bench.router._limits = LIMITS.model_copy(update={"service_timeout_s": 7})
+    bench.router.limits = LIMITS.model_copy(update={"service_timeout_s": 7})
     clock = StoppedClock(monkeypatch)
     client = provider(bench)
     response = Caller(bench).call()
@@ -251,7 +251,7 @@ async def test_a_service_is_given_back_where_ros_refuses_the_new_one(bench: Benc
 async def test_a_call_that_was_answered_has_no_deadline_any_more(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:
-    bench.router._limits = LIMITS.model_copy(update={"service_timeout_s": 0.05})
+    bench.router.limits = LIMITS.model_copy(update={"service_timeout_s": 0.05})
     client = provider(bench)
     response = Caller(bench).call()
     (frame,) = await client.sees(1, "call_service")

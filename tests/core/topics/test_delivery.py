@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from gateway.config.limits import Limits
 from gateway.core.names import TopicName
 from gateway.core.outbox import NOT_READY, NOTHING, Frame
+from gateway.core.requests import Subscribe
 from gateway.core.topic_counts import TopicCounts
 from gateway.core.topics.fan_out import write_directly
 from gateway.core.topics.subscription import Subscription
 from gateway.core.topics.subscription_options import SubscriptionOptions
-from gateway.fronts.rosbridge.operations.topics import Subscribe
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.metrics.histogram import NOTHING_OBSERVED
 from gateway.metrics.state import Delivery
 
@@ -45,7 +45,7 @@ class Client:
     _room_bytes = 0
 
     def __init__(self, **options: Any) -> None:
-        self.session = Session(Limits(send_queue_bytes=64 * 1024), lambda: None)
+        self.session = RosbridgeSession(Limits(send_queue_bytes=64 * 1024), lambda: None)
         self.session.outbox.max_bytes = 60
         self.session.outbox.connect(self._write_directly, self)
         self.counts = TopicCounts()
@@ -118,9 +118,9 @@ options = st.sampled_from(
         {},
         {"queue_length": 1},
         {"queue_length": 3},
-        {"throttle_rate": LONG},
-        {"throttle_rate": 1},
-        {"throttle_rate": LONG, "queue_length": 3},
+        {"throttle_ms": LONG},
+        {"throttle_ms": 1},
+        {"throttle_ms": LONG, "queue_length": 3},
     ]
 )
 steps = st.lists(
@@ -162,7 +162,7 @@ async def test_a_sample_that_a_worker_encodes_is_pending():
 
 
 async def test_counts_of_a_subscription_are_added_to_its_topic_when_it_ends():
-    client = Client(throttle_rate=LONG)
+    client = Client(throttle_ms=LONG)
     for _ in range(5):
         client.do(("offer", "ready", False))
     assert client.counts.delivery == Delivery()

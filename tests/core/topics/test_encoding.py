@@ -12,6 +12,7 @@ import pytest
 from gateway.core.outbox import NOT_READY
 from gateway.core.topics.encoding import PerClientFrame, SharedFrame, WorkerEncoding
 from gateway.core.topics.subscription import EncodingKey
+from gateway.fronts.rosbridge.publish_frames import FRAMING
 from gateway.sources.source import Sample
 from tests.client import eventually
 from tests.core.conftest import Bench
@@ -299,7 +300,7 @@ class Workers:
 
 async def test_one_sample_is_encoded_at_a_time():
     workers: Any = Workers()
-    key = EncodingKey("/camera", None, None)
+    key = EncodingKey(FRAMING, "/camera", None, None)
     ready: list[None] = []
     encoding = WorkerEncoding(
         key,

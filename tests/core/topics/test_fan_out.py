@@ -9,12 +9,12 @@ import pytest
 from gateway.config.limits import Limits
 from gateway.core.names import TopicName
 from gateway.core.outbox import NOT_READY, NOTHING, Frame
+from gateway.core.requests import Subscribe
 from gateway.core.topic_counts import TopicCounts
 from gateway.core.topics.fan_out import write_directly
 from gateway.core.topics.subscription import Subscription
 from gateway.core.topics.subscription_options import SubscriptionOptions
-from gateway.fronts.rosbridge.operations.topics import Subscribe
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.metrics.state import Delivery
 
 FRAME = b"a frame of a sample"
@@ -42,7 +42,7 @@ class Client:
     def __init__(self, **options: Any) -> None:
         self.written: list[bytes] = []
         self.room_bytes = 10 * len(FRAME)
-        self.session = Session(Limits(), lambda: None)
+        self.session = RosbridgeSession(Limits(), lambda: None)
         self.session.outbox.connect(lambda _: 0, self)
         request = Subscribe(topic="/t", **options)
         self.subscription = Subscription(
@@ -89,7 +89,7 @@ def gone(client: Client) -> None:
 
 
 def ros_sharp(client: Client) -> None:
-    client.session.is_ros_sharp = True
+    client.session.reads_ascii_only = True
 
 
 def late(client: Client) -> None:
@@ -121,7 +121,7 @@ def test_a_busy_subscription_is_left_to_others_and_delays_no_other(
 
 
 @pytest.mark.parametrize(
-    "options", [{"throttle_rate": 1000}, {"meta": True}, {"fragment_size": 1000}]
+    "options", [{"throttle_ms": 1000}, {"meta": True}, {"fragment_size": 1000}]
 )
 def test_a_subscription_with_another_pace_or_frame_is_left_to_others(options: dict[str, Any]):
     clients = [Client(), Client(**options)]
@@ -143,7 +143,7 @@ def test_a_socket_that_a_write_fills_has_no_room_left():
 
 def test_options_that_change_later_count_from_then_on():
     client = Client()
-    request = Subscribe(topic="/t", throttle_rate=1000)
+    request = Subscribe(topic="/t", throttle_ms=1000)
     for asked, is_left in ([request], True), ([Subscribe(topic="/t")], False):
         client.subscription.change({None: asked[0]}, SubscriptionOptions.merge(asked))
         assert (fan_out(Entry(), [client]) == [client]) is is_left

@@ -2,9 +2,10 @@
 import pytest
 
 from gateway.codec.types import Types
-from gateway.core.topics.requested_qos import offered, requested, subscribed
+from gateway.core.requests import Advertise
+from gateway.core.topics.requested_qos import offered, subscribed
 from gateway.core.topics.subscription_options import SubscriptionOptions
-from gateway.fronts.rosbridge.operations.topics import Advertise, QosRequest, Subscribe
+from gateway.fronts.rosbridge.operations.topics import QosRequest, Subscribe
 from schemas.installed import InstalledDefinitions
 
 TYPES = Types(InstalledDefinitions())
@@ -28,7 +29,7 @@ SMALL = TYPES.get("std_msgs/msg/String")
 def test_dds_keeps_many_small_messages_and_of_large_ones_what_a_client_asks_for(
     type_name, options, depth
 ):
-    merged = SubscriptionOptions.merge([Subscribe(topic="/t", **options)])
+    merged = SubscriptionOptions.merge([Subscribe(topic="/t", **options).request()])
     assert subscribed(merged, TYPES.get(type_name)).depth == depth
 
 
@@ -58,20 +59,22 @@ def test_a_publisher_of_large_messages_keeps_few_of_them():
 def test_the_default_qos_matches_late_subscribers_and_keeps_nothing_old(
     qos, durability, lifespan_ns
 ):
-    request = Advertise(topic="/t", type="x", qos=qos and QosRequest(**qos))
+    request = Advertise(
+        topic="/t", type="x", qos=None if qos is None else QosRequest(**qos).request()
+    )
     offer = offered(request, SMALL)
     assert (offer.durability, offer.lifespan_ns) == (durability, lifespan_ns)
 
 
 @pytest.mark.parametrize("nothing", [0, 0.0, {"secs": 0, "nsecs": 0}, {}, "infinite", None])
 def test_a_duration_of_zero_means_no_limit_as_in_ros(nothing):
-    asked = requested(QosRequest(deadline=nothing, lifespan=nothing))
+    asked = QosRequest(deadline=nothing, lifespan=nothing).request()
     assert (asked.deadline_ns, asked.lifespan_ns) == (None, None)
 
 
 @pytest.mark.parametrize("short", [1e-9, {"nsecs": 1}])
 def test_the_shortest_duration_is_a_limit(short):
-    assert requested(QosRequest(deadline=short)).deadline_ns == 1
+    assert QosRequest(deadline=short).request().deadline_ns == 1
 
 
 def test_a_latched_topic_keeps_the_last_message():

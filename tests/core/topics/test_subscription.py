@@ -8,11 +8,11 @@ import pytest
 
 from gateway.config.limits import Limits
 from gateway.core.names import TopicName
+from gateway.core.requests import Subscribe
 from gateway.core.topic_counts import TopicCounts
 from gateway.core.topics.subscription import Subscription
 from gateway.core.topics.subscription_options import SubscriptionOptions
-from gateway.fronts.rosbridge.operations.topics import Subscribe
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.session import RosbridgeSession
 from tests.client import eventually
 from tests.clock import StoppedClock
 from tests.core.entries import Item
@@ -27,7 +27,7 @@ def requested(**options: Any) -> tuple[dict[str | int | None, Subscribe], Subscr
 
 
 def subscribed(**options: Any) -> Subscription:
-    session = Session(Limits(), lambda: None)
+    session = RosbridgeSession(Limits(), lambda: None)
     asked = requested(**options)
     return Subscription(session, "/t", TopicName("/t"), *asked, TopicCounts(), lambda _: None)
 
@@ -57,7 +57,7 @@ def test_queue_length_bounds_the_queue():
 def test_changed_options_keep_what_waits():
     subscription = subscribed()
     offer(subscription, 1)
-    subscription.change(*requested(throttle_rate=100, queue_length=7))
+    subscription.change(*requested(throttle_ms=100, queue_length=7))
     assert subscription.queue.depth == 7
     assert waiting(subscription) == [b"1"]
 
@@ -66,7 +66,7 @@ async def test_an_entry_that_a_throttle_holds_passes_at_the_end_of_its_interval(
     monkeypatch: pytest.MonkeyPatch,
 ):
     clock = StoppedClock(monkeypatch)
-    subscription = subscribed(throttle_rate=100)
+    subscription = subscribed(throttle_ms=100)
     offer(subscription, 1, 1000 * MS)
     offer(subscription, 2, 1060 * MS)
     await clock.advance(0.039)
@@ -76,7 +76,7 @@ async def test_an_entry_that_a_throttle_holds_passes_at_the_end_of_its_interval(
 
 
 async def test_entries_that_a_throttle_queues_pass_one_by_one_until_nothing_waits():
-    subscription = subscribed(throttle_rate=5, queue_length=10)
+    subscription = subscribed(throttle_ms=5, queue_length=10)
     seen: list[bytes] = []
 
     def count() -> int:
@@ -92,10 +92,10 @@ async def test_entries_that_a_throttle_queues_pass_one_by_one_until_nothing_wait
 
 
 async def test_another_throttle_begins_at_once_and_keeps_the_order():
-    subscription = subscribed(throttle_rate=3_600_000)
+    subscription = subscribed(throttle_ms=3_600_000)
     offer(subscription, 1, 1000 * MS)
     offer(subscription, 2, 1001 * MS)
-    subscription.change(*requested(throttle_rate=3_600_000 - 1))
+    subscription.change(*requested(throttle_ms=3_600_000 - 1))
     offer(subscription, 3, 1002 * MS)
     offer(subscription, 4, 1003 * MS)
     assert waiting(subscription) == [b"1", b"2", b"3"]
@@ -106,10 +106,10 @@ async def test_another_throttle_begins_at_once_and_keeps_the_order():
 
 
 async def test_the_same_throttle_goes_on():
-    subscription = subscribed(throttle_rate=3_600_000)
+    subscription = subscribed(throttle_ms=3_600_000)
     offer(subscription, 1, 1000 * MS)
     offer(subscription, 2, 1001 * MS)
-    subscription.change(*requested(throttle_rate=3_600_000, meta=True))
+    subscription.change(*requested(throttle_ms=3_600_000, meta=True))
     offer(subscription, 3, 1002 * MS)
     assert waiting(subscription) == [b"1"]
     assert subscription.queue.coalesced == 1
@@ -117,7 +117,7 @@ async def test_the_same_throttle_goes_on():
 
 
 async def test_entries_of_a_cleared_or_closed_queue_are_not_delivered():
-    subscription = subscribed(throttle_rate=3_600_000)
+    subscription = subscribed(throttle_ms=3_600_000)
     offer(subscription, 1, 1000 * MS)
     offer(subscription, 2, 1001 * MS)
     subscription.clear()

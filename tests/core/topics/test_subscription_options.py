@@ -14,7 +14,7 @@ DEFAULT_QUEUE_BYTES = 512 * 1024
 
 def merged(*requests: dict[str, Any]) -> SubscriptionOptions:
     return SubscriptionOptions.merge(
-        Subscribe.read({"topic": "/t", **request}) for request in requests or [{}]
+        Subscribe.read({"topic": "/t", **request}).request() for request in requests or [{}]
     )
 
 

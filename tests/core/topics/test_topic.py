@@ -11,6 +11,7 @@ import pytest
 from gateway.codec.types import MessageType, Types
 from gateway.config.limits import Limits
 from gateway.core.names import TopicName
+from gateway.core.requests import Subscribe
 from gateway.core.topic_counts import TopicCounts
 from gateway.core.topics import late_join
 from gateway.core.topics import topic as topic_module
@@ -18,8 +19,8 @@ from gateway.core.topics.large_samples import EncodingResources
 from gateway.core.topics.subscription import EncodingKey, Feed, Subscription, TopicKey
 from gateway.core.topics.subscription_options import SubscriptionOptions
 from gateway.core.topics.topic import TIMED_AT_ONCE, Topic
-from gateway.fronts.rosbridge.operations.topics import Subscribe
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.publish_frames import FRAMING
+from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.sources.source import Qos, RosError, Sample
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
@@ -30,7 +31,7 @@ SECOND = 1_000_000_000
 STRING = "std_msgs/msg/String"
 TYPES = Types(InstalledDefinitions())
 NAME = TopicName("/t")
-PLAIN = EncodingKey("/t", None, None)
+PLAIN = EncodingKey(FRAMING, "/t", None, None)
 
 RATE_BATCHES = 16
 
@@ -65,7 +66,7 @@ def string_type() -> MessageType:
 
 def subscription(**options: Any) -> Subscription:
     request = Subscribe(topic="/t", **options)
-    session = Session(Limits(), lambda: None)
+    session = RosbridgeSession(Limits(), lambda: None)
     session.set_level("warning")
     merged = SubscriptionOptions.merge([request])
     requests = {None: request}
@@ -107,10 +108,10 @@ def test_a_topic_is_idle_until_its_first_and_after_its_last_subscription(topic: 
     assert topic.is_idle
     one, other = subscription(), subscription()
     topic.add(one, PLAIN)
-    topic.add(other, EncodingKey("/t", ("data",), None))
+    topic.add(other, EncodingKey(FRAMING, "/t", ("data",), None))
     topic.remove(one, PLAIN)
     assert not topic.is_idle
-    topic.remove(other, EncodingKey("/t", ("data",), None))
+    topic.remove(other, EncodingKey(FRAMING, "/t", ("data",), None))
     assert topic.is_idle
 
 
@@ -202,7 +203,7 @@ async def test_another_encoding_of_the_topic_does_not_restart_the_late_join(
     ros: FakeRos, latched: Topic
 ):
     late = join(latched)
-    fields = EncodingKey("/t", ("data",), None)
+    fields = EncodingKey(FRAMING, "/t", ("data",), None)
     latched.add(late, fields)
     late.source = Feed(latched.key, fields)
     latched.remove(late, PLAIN)
@@ -342,7 +343,7 @@ async def test_of_samples_that_come_together_a_client_gets_what_its_queue_keeps(
 async def test_a_throttled_subscription_gets_the_newest_at_the_end_and_counts_the_others(
     topic: Topic,
 ):
-    throttled = subscription(throttle_rate=500)  # however slow the machine is at four samples
+    throttled = subscription(throttle_ms=500)  # however slow the machine is at four samples
     woken = asyncio.Event()
     throttled.session.wake = woken.set
     topic.add(throttled, PLAIN)

@@ -8,10 +8,10 @@ import pytest
 
 from gateway.codec.types import Types
 from gateway.core.errors import ProtocolError
+from gateway.core.requests import LookupTransform
 from gateway.core.topic_types import TopicTypes
 from gateway.core.transforms import tf_listener
 from gateway.core.transforms.lookups import TransformLookups
-from gateway.fronts.rosbridge.operations.transforms import LookupTransform
 from gateway.tf import buffer
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table

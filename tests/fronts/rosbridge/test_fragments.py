@@ -14,7 +14,7 @@ from gateway.fronts.rosbridge.fragments import (
     Assembly,
 )
 from gateway.fronts.rosbridge.operations.fragment import Fragment
-from gateway.fronts.rosbridge.websocket_frames import text_frames
+from gateway.fronts.rosbridge.publish_frames import text_frames
 from tests.wire import unpacked, websocket_frames
 
 TOO_LARGE = "at most 1000 allowed in all (limits.max_message_bytes): send less at once"

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-from typing import Any
+from dataclasses import fields
+from typing import Any, get_args
 
 import pytest
 from pydantic import BaseModel, ValidationError
 
-from gateway.fronts.rosbridge.operations import OPERATIONS
+from gateway.fronts.rosbridge.operations import OPERATIONS, ClientOperation
 from gateway.fronts.rosbridge.operations.base import Operation
 from gateway.fronts.rosbridge.operations.gateway import Ping
 from gateway.fronts.rosbridge.operations.parameters import SetParameters
@@ -188,3 +189,11 @@ def test_the_last_value_within_a_bound_is_taken_and_the_first_beyond_it_refused(
     read(model, with_value(operation, path, allowed))
     with pytest.raises(ValidationError):
         read(model, with_value(operation, path, refused))
+
+
+@pytest.mark.parametrize("model", get_args(ClientOperation), ids=lambda model: model.op)
+def test_each_operation_becomes_a_request_of_its_kind_with_the_same_fields(model: Any) -> None:
+    assert model.makes.kind == model.op
+    if model.request is Operation.request:
+        taken = {each.name for each in fields(model.makes)}
+        assert taken <= model.model_fields.keys()

@@ -13,7 +13,7 @@ from gateway.fronts.rosbridge.operations.actions import SendActionGoal
 from gateway.fronts.rosbridge.operations.gateway import Ping
 from gateway.fronts.rosbridge.operations.services import CallService
 from gateway.fronts.rosbridge.operations.topics import ImageRequest, QosRequest, Subscribe
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.session import RosbridgeSession
 from tests.wire import unpacked, websocket_frames
 
 ROS_SHARP_FRAGMENT_SIZE = 2**31 - 1  # int.MaxValue in C#
@@ -23,7 +23,7 @@ LIMITS = Limits(max_message_bytes=2000)
 
 class Client:
     def __init__(self, limits: Limits = LIMITS) -> None:
-        self.session = Session(limits, lambda: None)
+        self.session = RosbridgeSession(limits, lambda: None)
 
     def send(self, now_ns=0, **operation):
         return self.session.receive(json.dumps(operation).encode(), now_ns)
@@ -124,9 +124,9 @@ def test_the_id_and_the_name_of_an_unknown_operation_come_back_truncated():
 def test_refusing_an_operation_answers_it_in_its_own_way():
     client = Client()
     error = ProtocolError("not_found", "no such thing")
-    client.session.refuse(error, CallService(service="set_bool", id="c"))
-    client.session.refuse(error, SendActionGoal(action="fibonacci", id="g"))
-    client.session.refuse(error, Subscribe(topic="/t", id=3))
+    client.session.refuse(error, CallService(service="set_bool", id="c").request())
+    client.session.refuse(error, SendActionGoal(action="fibonacci", id="g").request())
+    client.session.refuse(error, Subscribe(topic="/t", id=3).request())
     client.session.refuse(error)
     call, goal, subscribe, nothing = client.answers
     assert (call, goal) == (response("no such thing"), result("no such thing"))
@@ -168,9 +168,9 @@ def test_ros_sharp_gets_ascii_from_its_first_such_operation_on():
 
 def test_a_request_to_a_provider_is_ascii_before_anything_tells_that_it_is_ros_sharp():
     client = Client()
-    client.session.ask('{"op":"call_service","args":{"name":"größe"}}'.encode())
+    client.session.pass_cancel("/größe", "1")
     (frame,) = websocket_frames(client.wires[0])
-    assert bytes(frame.data) == rb'{"op":"call_service","args":{"name":"gr\u00f6\u00dfe"}}'
+    assert bytes(frame.data) == rb'{"op":"cancel_action_goal","id":"1","action":"/gr\u00f6\u00dfe"}'
 
 
 def test_an_operation_with_nulls_is_carried_out():

@@ -95,6 +95,7 @@ def run(data: bytes) -> None:
     async def talk(world: World) -> None:
         server = Server(
             world.router,
+            world.front,
             limits=LIMITS,
             web_rules=WebRules(["localhost"]),
             trusted_proxies=["127.0.0.0/8"],

@@ -11,8 +11,9 @@ import cbor2
 from gateway.codec.errors import CodecError
 from gateway.codec.json import loads
 from gateway.core.errors import StatusCode
+from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.fronts.rosbridge.operations.base import MAX_ID_CHARACTERS
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.session import RosbridgeSession
 from tests.fuzz import seeds
 from tests.fuzz.gateway_in_memory import World, run_in_a_loop, turns
 from tests.fuzz.stopwatch import STOPWATCH
@@ -29,12 +30,12 @@ ANSWERED_ONCE = {"call_service": "service_response", "send_action_goal": "action
 class Client:
     """Sends frames, and looks at all that comes back."""
 
-    def __init__(self, router: Any) -> None:
-        self.router = router
+    def __init__(self, front: RosbridgeFront) -> None:
+        self.front = front
         self.frames: list[Any] = []
         self.asked: Counter[tuple[str, object]] = Counter()
         self.is_flushing = False
-        self.session: Session = router.enter(self.flush, "127.0.0.1")
+        self.session: RosbridgeSession = front.open(self.flush, "127.0.0.1")
         self.session.set_level("warning")  # else some refusals are in the log alone
 
     def flush(self) -> None:
@@ -56,8 +57,8 @@ class Client:
         if isinstance(op, str) and is_id(request_id):
             self.asked[ANSWERED_ONCE.get(op, op), request_id] += 1
         with STOPWATCH.running():
-            self.router.receive(self.session, data)
-            self.router.end_turn(self.session)
+            self.front.receive(self.session, data)
+            self.front.core.end_turn(self.session)
         if self.session.refused > refused:
             answers = self.frames[count:]
             check(answers or self.is_silenced, "refused without an answer")
@@ -121,7 +122,7 @@ def run(data: bytes) -> None:
     """Take each line as a frame."""
 
     async def talk(world: World) -> None:
-        clients = [Client(world.router), Client(world.router)]
+        clients = [Client(world.front), Client(world.front)]
         for line in data.split(b"\n")[:MAX_LINES]:
             is_other = line.startswith(OTHER_CLIENT)
             text = line.removeprefix(OTHER_CLIENT)

@@ -8,8 +8,8 @@ import pytest
 from rclpy.duration import Infinite
 
 from gateway.codec.types import Types
+from gateway.core.requests import Advertise
 from gateway.core.topics.requested_qos import offered
-from gateway.fronts.rosbridge.operations.topics import Advertise
 from gateway.sources.rclpy.qos import (
     UNKNOWN_NODE,
     Endpoint,

@@ -4,6 +4,7 @@
 from typing import Any
 
 from gateway.codec.nonfinite import NonFinite
+from gateway.core import requests
 from gateway.fronts.rosbridge.operations.base import FragmentSize, Id, Operation
 
 
@@ -11,6 +12,7 @@ class SendActionGoal(Operation):
     """Send a goal. The answer is an `action_result` with the same id, whatever happens."""
 
     op = "send_action_goal"
+    makes = requests.SendActionGoal
     action: str
     action_type: str | None = None
     args: Any = None  # an object, or the values of the fields in order
@@ -19,12 +21,24 @@ class SendActionGoal(Operation):
     keep: bool = False  # do not cancel the goal when this client leaves
     fragment_size: FragmentSize = None
 
+    def request(self) -> requests.SendActionGoal:
+        """Return it for the core."""
+        return requests.SendActionGoal(
+            id=self.id,
+            action=self.action,
+            action_type=self.action_type,
+            args=self.args,
+            feedback=self.feedback,
+            keep=self.keep,
+            form=self,
+        )
+
 
 class CancelActionGoal(Operation):
     """Ask to cancel a goal by its id. Its result reports whether it was cancelled."""
 
     op = "cancel_action_goal"
-    needs_permission = False
+    makes = requests.CancelActionGoal
     action: str
     id: Id
 
@@ -33,6 +47,7 @@ class AdvertiseAction(Operation):
     """Provide an action: the client gets `send_action_goal` and `cancel_action_goal`."""
 
     op = "advertise_action"
+    makes = requests.AdvertiseAction
     action: str
     type: str
 
@@ -41,7 +56,7 @@ class UnadvertiseAction(Operation):
     """Stop providing an action. Its goals are aborted."""
 
     op = "unadvertise_action"
-    needs_permission = False
+    makes = requests.UnadvertiseAction
     action: str
 
 
@@ -49,7 +64,7 @@ class ActionFeedback(Operation):
     """Report the progress of a goal. *id* is the goal's."""
 
     op = "action_feedback"
-    needs_permission = False
+    makes = requests.ActionFeedback
     action: str
     id: Id
     values: Any = None
@@ -59,7 +74,7 @@ class ActionResult(Operation):
     """End a goal. *id* is the goal's."""
 
     op = "action_result"
-    needs_permission = False
+    makes = requests.ActionResult
     action: str
     id: Id
     values: Any = None

@@ -7,13 +7,12 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from pydantic_core import PydanticCustomError
 
 from gateway.codec.error_text import hint
+from gateway.core.requests import Request
 
 # rosbridge clients build ids from a topic and a counter, or a UUID
 MAX_ID_CHARACTERS: Final = 256
 Id = Annotated[str, Field(max_length=MAX_ID_CHARACTERS)] | int
 
-# A quarter of an hour: JSON can write rates so small that the time between two is infinite.
-MIN_RATE_HZ: Final = 0.001
 Seconds = Annotated[float, Field(ge=0, le=1e9)]
 
 UNKNOWN_MEMBER: Final = "unknown_member"  # a type of error next to pydantic's own
@@ -56,9 +55,7 @@ class Operation(_Strict):
     model_config = ConfigDict(extra="ignore")
 
     op: ClassVar[str]
-    # False if every client may do it, or if it is checked later. For all others the router's
-    # `permission_checks` knows the permission, or refuses them to roles that have limits
-    needs_permission: ClassVar[bool] = True
+    makes: ClassVar[type[Request]]  # of the core, with the same fields unless `request` says else
     id: Id | None = None
 
     @classmethod
@@ -73,6 +70,13 @@ class Operation(_Strict):
         validator = cls.__pydantic_validator__
         operation: Self = validator.validate_python(_without_nulls(cls, values))
         return operation
+
+    def request(self) -> Request:
+        """Return what the core is asked to do."""
+        request = object.__new__(self.makes)
+        # Its constructor would set one field after the other, which takes 1 us of a `publish`.
+        request.__dict__.update(self.__dict__)
+        return request
 
 
 def _without_nulls(model: type[BaseModel], values: dict[str, Any]) -> dict[str, Any]:

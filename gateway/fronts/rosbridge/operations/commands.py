@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Moving a robot: stop, control of a command topic, its state."""
 
+from gateway.core import requests
 from gateway.fronts.rosbridge.operations.base import Operation
 
 
@@ -8,7 +9,7 @@ class Stop(Operation):
     """Stop one command topic, or without a name all of them. Any client may."""
 
     op = "stop"
-    needs_permission = False  # every client may stop a robot
+    makes = requests.Stop
     topic: str | None = None
 
 
@@ -16,7 +17,7 @@ class AcquireControl(Operation):
     """Take control of a command topic, also from another client. It is stopped first."""
 
     op = "acquire_control"
-    needs_permission = False  # checked where the topic is known
+    makes = requests.AcquireControl
     topic: str | None = None
 
 
@@ -24,7 +25,7 @@ class ReleaseControl(Operation):
     """Give control back. A robot that moves is stopped."""
 
     op = "release_control"
-    needs_permission = False
+    makes = requests.ReleaseControl
     topic: str | None = None
 
 
@@ -35,6 +36,6 @@ class Control(Operation):
     """
 
     op = "control"
-    needs_permission = False  # checked where the topic is known
+    makes = requests.Control
     topic: str | None = None
     watch: bool | None = None

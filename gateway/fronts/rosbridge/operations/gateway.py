@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations on the gateway itself: levels, clocks, types, the graph."""
 
+from dataclasses import dataclass
 from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
+from gateway.core import requests
 from gateway.fronts.rosbridge.operations.base import Operation
 from schemas.assembly_name import EXPECTATION, is_assembly_name
 
@@ -13,11 +15,35 @@ MAX_GENERATED_TYPES: Final = 300
 MAX_URI: Final = 4096  # characters, as many as a path of Linux has bytes
 
 
+@dataclass(frozen=True, kw_only=True)
+class SetLevelRequest(requests.Request):
+    """A `set_level`, which the front carries out itself."""
+
+    kind = "set_level"
+    needs_permission = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class HelpRequest(requests.Request):
+    """A `help`, which the front carries out itself."""
+
+    kind = "help"
+    needs_permission = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class AuthRequest(requests.Request):
+    """An `auth`, which the transport carries out."""
+
+    kind = "auth"
+    needs_permission = False
+
+
 class SetLevel(Operation):
     """Choose the least severe `status` frames that this client wants."""
 
     op = "set_level"
-    needs_permission = False
+    makes = SetLevelRequest
     level: Literal["none", "error", "warning", "info"]
 
 
@@ -25,21 +51,21 @@ class Hello(Operation):
     """Ask for the server's identity and limits."""
 
     op = "hello"
-    needs_permission = False
+    makes = requests.Hello
 
 
 class Help(Operation):
     """Ask for lines to try. The plain text ``help`` also asks for them."""
 
     op = "help"
-    needs_permission = False
+    makes = HelpRequest
 
 
 class Ping(Operation):
     """Ask for the clocks. The answer repeats the value unchanged."""
 
     op = "ping"
-    needs_permission = False
+    makes = requests.Ping
     value: Any = None
 
 
@@ -50,7 +76,7 @@ class Describe(Operation):
     """
 
     op = "describe"
-    needs_permission = False
+    makes = requests.Describe
     type: str | int
 
 
@@ -61,7 +87,7 @@ class Generate(Operation):
     """
 
     op = "generate"
-    needs_permission = False
+    makes = requests.Generate
     language: Literal["csharp", "typescript", "python", "json-schema"]
     types: Annotated[
         tuple[str, ...], Field(strict=False, min_length=1, max_length=MAX_GENERATED_TYPES)
@@ -82,7 +108,7 @@ class FetchAsset(Operation):
     """Ask for a part of a mesh or a texture of an installed package, from an offset in bytes."""
 
     op = "fetch_asset"
-    needs_permission = False  # a mesh tells nothing of what the robot does
+    makes = requests.FetchAsset
     uri: Annotated[str, Field(max_length=MAX_URI)]
     offset: Annotated[int, Field(ge=0)] = 0
 
@@ -94,7 +120,7 @@ class GraphRequest(Operation):
     """
 
     op = "graph"
-    needs_permission = False
+    makes = requests.GraphRequest
     watch: bool | None = None
 
 
@@ -105,7 +131,7 @@ class Events(Operation):
     """
 
     op = "events"
-    needs_permission = False
+    makes = requests.Events
     watch: bool = True
 
 
@@ -117,5 +143,5 @@ class Auth(Operation):
     """
 
     op = "auth"
-    needs_permission = False
+    makes = AuthRequest
     token: str | None = None

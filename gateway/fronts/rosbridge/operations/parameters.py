@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from gateway.core import requests
 from gateway.fronts.rosbridge.operations.base import Operation, Seconds
 
 # More than any node of Navigation 2 has, and its answer still fits a frame.
@@ -15,7 +16,7 @@ class ListParameters(Operation):
     """Ask for the names of a node's parameters, or of those below some prefixes."""
 
     op = "list_parameters"
-    needs_permission = False  # checked where the node is known
+    makes = requests.ListParameters
     node: str
     prefixes: Names = ()
     timeout: Seconds | None = None
@@ -25,7 +26,7 @@ class GetParameters(Operation):
     """Ask for the named values, or for all values of the node."""
 
     op = "get_parameters"
-    needs_permission = False  # checked where the node is known
+    makes = requests.GetParameters
     node: str
     names: Names | None = None
     timeout: Seconds | None = None
@@ -35,7 +36,7 @@ class SetParameters(Operation):
     """Set values. ``null`` deletes a parameter."""
 
     op = "set_parameters"
-    needs_permission = False  # checked where the node is known
+    makes = requests.SetParameters
     node: str
     values: Annotated[dict[str, Any], Field(min_length=1, max_length=1024)]
     timeout: Seconds | None = None
@@ -45,7 +46,7 @@ class DescribeParameters(Operation):
     """Ask for types, ranges and descriptions of the named parameters, or of all."""
 
     op = "describe_parameters"
-    needs_permission = False  # checked where the node is known
+    makes = requests.DescribeParameters
     node: str
     names: Names | None = None
     timeout: Seconds | None = None

@@ -4,6 +4,7 @@
 from typing import Any
 
 from gateway.codec.nonfinite import NonFinite
+from gateway.core import requests
 from gateway.fronts.rosbridge.operations.base import FragmentSize, Operation, Seconds
 
 
@@ -11,6 +12,7 @@ class CallService(Operation):
     """Call a service. The answer is a `service_response` with the same id, whatever happens."""
 
     op = "call_service"
+    makes = requests.CallService
     service: str
     args: Any = None  # an object, or the values of the fields in order
     type: str | None = None
@@ -18,11 +20,23 @@ class CallService(Operation):
     timeout: Seconds | None = None
     fragment_size: FragmentSize = None
 
+    def request(self) -> requests.CallService:
+        """Return it for the core."""
+        return requests.CallService(
+            id=self.id,
+            service=self.service,
+            args=self.args,
+            type=self.type,
+            timeout=self.timeout,
+            form=self,
+        )
+
 
 class AdvertiseService(Operation):
     """Provide a service: calls come as `call_service`, answers go back as `service_response`."""
 
     op = "advertise_service"
+    makes = requests.AdvertiseService
     service: str
     type: str
 
@@ -31,7 +45,7 @@ class UnadvertiseService(Operation):
     """Stop providing a service."""
 
     op = "unadvertise_service"
-    needs_permission = False
+    makes = requests.UnadvertiseService
     service: str
 
 
@@ -39,7 +53,7 @@ class ServiceResponse(Operation):
     """Answer a call that the gateway passed on. *id* is the call's."""
 
     op = "service_response"
-    needs_permission = False
+    makes = requests.ServiceResponse
     service: str
     values: Any = None
     result: bool = True

@@ -1,20 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Topics: advertise, publish, subscribe."""
 
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, GetPydanticSchema, model_validator
 from pydantic_core import core_schema
 
 from gateway.codec.nonfinite import NonFinite
-from gateway.codec.picture_formats import PICTURE_FORMATS
+from gateway.core import requests
+from gateway.core.requests import IMAGE_FORMATS, MIN_RATE_HZ, Request
 from gateway.fronts.rosbridge.operations.base import (
-    MIN_RATE_HZ,
     FragmentSize,
     Operation,
     OperationPart,
     Seconds,
 )
+from gateway.sources.source import Qos
 
 Milliseconds = Annotated[float, Field(ge=0, le=3_600_000)]
 
@@ -42,8 +43,26 @@ class QosRequest(OperationPart):
     deadline: Duration = None
     lifespan: Duration = None
 
+    def request(self) -> Qos:
+        """Return it for the core, where best available is as good as left out."""
+        return Qos(
+            reliability=None if self.reliability == "best_available" else self.reliability,
+            durability=None if self.durability == "best_available" else self.durability,
+            history=self.history,
+            depth=self.depth,
+            deadline_ns=_nanoseconds(self.deadline),
+            lifespan_ns=_nanoseconds(self.lifespan),
+        )
 
-IMAGE_FORMATS: Final = (*PICTURE_FORMATS, "raw")  # raw is the plain message
+
+def _nanoseconds(duration: Duration) -> int | None:
+    match duration:
+        case None | "infinite" | 0:  # 0 is rmw's unspecified duration: no limit
+            return None
+        case SecsNsecs():
+            return duration.secs * 1_000_000_000 + duration.nsecs or None
+    return round(duration * 1e9)
+
 
 # a Literal of these names
 ImageFormat = Annotated[
@@ -65,15 +84,19 @@ class ImageRequest(OperationPart):
         | None
     ) = None
 
-    @property
-    def asks_for_picture(self) -> bool:
-        """Return whether anything but a rate is asked for."""
-        return bool(self.adapt) or not self.model_fields_set <= {"max_fps", "adapt"}
-
-    @property
-    def adapts(self) -> bool:
-        """Return whether pictures may be smaller than asked for on a slow link."""
-        return "quality" not in self.model_fields_set if self.adapt is None else self.adapt
+    def request(self) -> requests.ImageRequest:
+        """Return it for the core. Pictures of a given quality adapt only if that is asked for."""
+        given = self.model_fields_set
+        return requests.ImageRequest(
+            format=self.format,
+            quality=self.quality,
+            max_width=self.max_width,
+            max_height=self.max_height,
+            max_fps=self.max_fps,
+            depth_range_m=self.depth_range_m,
+            asks_for_picture=bool(self.adapt) or not given <= {"max_fps", "adapt"},
+            adapts="quality" not in given if self.adapt is None else self.adapt,
+        )
 
     @model_validator(mode="after")
     def _range_is_ordered(self) -> "ImageRequest":
@@ -106,20 +129,28 @@ class Advertise(_Publisher):
     """Announce that messages will be published on a topic."""
 
     op = "advertise"
+    makes = requests.Advertise
     type: str | int
     image: PublishedImage | None = None
 
-    @property
-    def has_pictures(self) -> bool:
-        """Return whether the messages are compressed pictures, which ROS gets as pixels."""
-        return self.image is not None and self.image.format != "raw"
+    def request(self) -> requests.Advertise:
+        """Return it for the core."""
+        return requests.Advertise(
+            id=self.id,
+            topic=self.topic,
+            type=self.type,
+            latch=self.latch,
+            queue_size=self.queue_size,
+            qos=None if self.qos is None else self.qos.request(),
+            has_pictures=self.image is not None and self.image.format != "raw",
+        )
 
 
 class Unadvertise(Operation):
     """Withdraw one advertisement, or without an id all of this client's on the topic."""
 
     op = "unadvertise"
-    needs_permission = False
+    makes = requests.Unadvertise
     topic: str
 
 
@@ -130,15 +161,24 @@ class Publish(_Publisher):
     """
 
     op = "publish"
+    makes = requests.Publish
     msg: Any
     type: str | int | None = None
     monotonic_ms: Annotated[float, Field(ge=0, le=1e15)] | None = None  # 30,000 years
+
+    def request(self) -> Request:
+        """Return it for the core."""
+        request = super().request()
+        if self.qos is not None:
+            request.__dict__["qos"] = self.qos.request()
+        return request
 
 
 class Subscribe(Operation):
     """Ask for the messages of a topic."""
 
     op = "subscribe"
+    makes = requests.Subscribe
     topic: str
     type: str | int | None = None
     throttle_rate: Milliseconds | None = None
@@ -153,10 +193,28 @@ class Subscribe(Operation):
     # below, an ordinary hiccup of WiFi or of a busy robot would be reported
     stale_after_ms: Annotated[float, Field(ge=100, le=3_600_000)] | None = None
 
+    def request(self) -> requests.Subscribe:
+        """Return it for the core."""
+        return requests.Subscribe(
+            id=self.id,
+            topic=self.topic,
+            type=self.type,
+            throttle_ms=self.throttle_rate or 0,
+            queue_length=self.queue_length,
+            compression=self.compression,
+            fragment_size=self.fragment_size,
+            qos=None if self.qos is None else self.qos.request(),
+            fields=self.fields,
+            image=None if self.image is None else self.image.request(),
+            meta=self.meta,
+            nonfinite=self.nonfinite,
+            stale_after_ms=self.stale_after_ms,
+        )
+
 
 class Unsubscribe(Operation):
     """End one subscription, or without an id all of this client's on the topic."""
 
     op = "unsubscribe"
-    needs_permission = False
+    makes = requests.Unsubscribe
     topic: str

@@ -5,7 +5,9 @@ from typing import Annotated, Final
 
 from pydantic import Field, model_validator
 
-from gateway.fronts.rosbridge.operations.base import MIN_RATE_HZ, Id, Operation, OperationPart
+from gateway.core import requests
+from gateway.core.requests import MIN_RATE_HZ
+from gateway.fronts.rosbridge.operations.base import Id, Operation, OperationPart
 from gateway.tf.buffer import MAX_FRAME_CHARACTERS
 from schemas.json_forms import duration
 
@@ -32,16 +34,29 @@ class LookupTransform(Operation):
     """Ask for the transform of a frame in another, once or, with a rate, periodically."""
 
     op = "lookup_transform"
+    makes = requests.LookupTransform
     target_frame: FrameId
     source_frame: FrameId
     time: StampRequest | None = None  # None: the newest time at which both frames are known
     timeout: Annotated[float, Field(ge=0, le=MAX_TIMEOUT_S)] | None = None
     rate: Annotated[float, Field(ge=MIN_RATE_HZ, le=MAX_RATE_HZ)] | None = None
 
+    def request(self) -> requests.LookupTransform:
+        """Return it for the core."""
+        time = self.time
+        return requests.LookupTransform(
+            id=self.id,
+            target_frame=self.target_frame,
+            source_frame=self.source_frame,
+            stamp_ns=None if time is None else time.sec * 1_000_000_000 + time.nanosec,
+            timeout=self.timeout,
+            rate=self.rate,
+        )
+
 
 class CancelTransform(Operation):
     """End a periodic lookup by its id."""
 
     op = "cancel_transform"
-    needs_permission = False
+    makes = requests.CancelTransform
     id: Id

@@ -167,7 +167,7 @@ class Stage:
         self.waiting_s = 0.0
         self.clients: dict[str, Socketless] = {}
         self.goals: dict[str, GoalRequest] = {}
-        self.pictures = Pictures(bench.router)
+        self.pictures = Pictures(bench.router, bench.front)
         authentication = Authentication(_TOKENS, Policy(_ACCESS), None)
         audit = Audit(time.time_ns, lambda line: None)
         rules = WebRules(own_names=frozenset())
@@ -380,7 +380,7 @@ class Recorded(Socketless):
     ) -> None:
         self.stage = stage
         self.name = name
-        super().__init__(stage.bench.router, "127.0.0.1", identity, level)
+        super().__init__(stage.bench.front, "127.0.0.1", identity, level)
 
     def flush(self) -> None:
         before = len(self.wires)

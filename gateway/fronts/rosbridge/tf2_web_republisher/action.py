@@ -8,13 +8,15 @@ from typing import Final, NamedTuple
 import orjson
 
 from gateway.codec.error_text import truncate
+from gateway.core import requests
 from gateway.core.errors import ProtocolError
+from gateway.core.session import Session
 from gateway.core.transforms.republications import Republication, Republications
 from gateway.fronts.rosbridge import messages
 from gateway.fronts.rosbridge.operations import ClientOperation
 from gateway.fronts.rosbridge.operations.actions import CancelActionGoal, SendActionGoal
-from gateway.fronts.rosbridge.republish_requests import RepublishRequest, parse
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.session import RosbridgeSession
+from gateway.fronts.rosbridge.tf2_web_republisher.requests import RepublishRequest, array_key, parse
 from gateway.sources.actions import SUCCEEDED
 from gateway.sources.source import Ros
 
@@ -40,7 +42,9 @@ class RepublisherAction:
         self._republications = republications
         self._goals: dict[Session, dict[str | int | None, _Goal]] = {}
 
-    def work(self, session: Session, operation: ClientOperation) -> Callable[[], None] | None:
+    def work(
+        self, session: RosbridgeSession, operation: ClientOperation
+    ) -> Callable[[], None] | None:
         """Return what carries out an operation, if it is for this action."""
         match operation:
             case SendActionGoal(action=name) if name in NAMES:
@@ -55,7 +59,7 @@ class RepublisherAction:
         """Forget the goals of a client."""
         self._goals.pop(session, None)
 
-    def _send(self, session: Session, request: SendActionGoal) -> None:
+    def _send(self, session: RosbridgeSession, request: SendActionGoal) -> None:
         asked = request.action_type
         if asked is not None and asked.split("/")[-1] != _TYPE:
             text = f"action {ACTION} has type tf2_web_republisher_msgs/action/{_TYPE}"
@@ -70,12 +74,13 @@ class RepublisherAction:
             )
         goal = parse(RepublishRequest, request.args, "args")
         wrap = partial(_feedback, session, request.action, request.id, request.fragment_size)
-        added = self._republications.add(session, goal, request, wrap)
+        about = requests.SendActionGoal(id=request.id, action=request.action)
+        added = self._republications.add(session, array_key(goal), about, wrap)
         kept = _Goal(request.action, request.fragment_size, added)
         self._goals.setdefault(session, own)[request.id] = kept
         self._republications.begin(added)
 
-    def _cancel(self, session: Session, request: CancelActionGoal) -> None:
+    def _cancel(self, session: RosbridgeSession, request: CancelActionGoal) -> None:
         own = self._goals[session]
         goal = own.pop(request.id)
         if not own:
@@ -88,7 +93,7 @@ class RepublisherAction:
 
 
 def _feedback(
-    session: Session,
+    session: RosbridgeSession,
     action: str,
     request_id: str | int | None,
     fragment_size: int | None,

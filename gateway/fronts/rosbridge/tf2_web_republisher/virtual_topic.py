@@ -6,7 +6,7 @@ from typing import Final
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit
 from gateway.fronts.rosbridge import messages
 from gateway.fronts.rosbridge.operations.topics import Subscribe, Unsubscribe
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.session import RosbridgeSession
 
 # options of `subscribe` that are not available here, in addition to `compression`
 _UNAVAILABLE: Final = (
@@ -23,7 +23,7 @@ _UNAVAILABLE: Final = (
 class VirtualTopic:
     """The `subscribe` requests of one client for such a topic, by requested names and ids."""
 
-    def __init__(self, session: Session, name: str, type_name: str) -> None:
+    def __init__(self, session: RosbridgeSession, name: str, type_name: str) -> None:
         self._session = session
         self._name = name
         self._type_name = type_name
@@ -48,8 +48,8 @@ class VirtualTopic:
         self._requests.setdefault(request.topic, own)[request.id] = request.fragment_size
         if ignored := _ignored(request):
             text = f"{', '.join(ignored)}: not available on {self._name}, sending plain JSON"
-            session.warn(ProtocolError("bad_request", text), request.op, request.id)
-        session.inform(f"subscribed to {self._name} ({self._type_name})", request.op, request.id)
+            session.warn(ProtocolError("bad_request", text), request.request())
+        session.inform(f"subscribed to {self._name} ({self._type_name})", request.request())
 
     def unsubscribe(self, request: Unsubscribe) -> None:
         """End one request, or all of them.

@@ -9,14 +9,9 @@ from websockets.frames import Frame, Opcode
 
 from gateway.codec import cbor
 from gateway.codec.pieces import Pieces
-from gateway.fronts.rosbridge.websocket_frames import (
-    BINARY,
-    Meta,
-    PerClient,
-    header,
-    publish_frames,
-    text_frame,
-)
+from gateway.core.frames import Meta, PerClient
+from gateway.fronts.rosbridge.publish_frames import FRAMING
+from gateway.transport.websocket_frames import BINARY, header, text_frame
 from tests.wire import unpacked, websocket_frames
 
 META = Meta(seq=7, received_ns=12_000_000_034, size=9, dropped=2)
@@ -28,8 +23,8 @@ BODIES = {"none": b'{"x":1}', "cbor": cbor.dumps({"x": 1}), "cbor-raw": cbor.dum
 @pytest.mark.parametrize("compression", BODIES)
 def test_the_message_stands_in_a_publish_frame(compression):
     body = BODIES[compression]
-    assert unpacked(publish_frames("/odom", compression).shared(body)) == [PUBLISH]
-    assert unpacked(publish_frames("/odom", compression).per_client(body, PerClient(7))) == [
+    assert unpacked(FRAMING.frames("/odom", compression).shared(body)) == [PUBLISH]
+    assert unpacked(FRAMING.frames("/odom", compression).per_client(body, PerClient(7))) == [
         PUBLISH
     ]
 
@@ -38,7 +33,7 @@ def test_the_message_stands_in_a_publish_frame(compression):
 @pytest.mark.parametrize("length", [0, 1, 90, 200, 70_000])
 def test_the_message_can_be_taken_out_of_its_frame(compression, length):
     body = b"{" * length
-    own = publish_frames("/odom", compression)
+    own = FRAMING.frames("/odom", compression)
     assert own.message(own.shared(body)) == body
 
 
@@ -47,7 +42,7 @@ def test_the_message_can_be_taken_out_of_its_frame(compression, length):
 @pytest.mark.parametrize("own", [None, PerClient(7), PerClient(7, META), PerClient(7, None, 99)])
 def test_a_message_in_pieces_has_the_frame_of_a_whole_one(compression, length, own):
     body = b"x" * length
-    frames = publish_frames("/odom", compression)
+    frames = FRAMING.frames("/odom", compression)
     pieces = Pieces.of([body[:7], memoryview(body)[7:]])
     if own is None:
         assert bytes(frames.shared_pieces(pieces)) == frames.shared(body)
@@ -56,7 +51,7 @@ def test_a_message_in_pieces_has_the_frame_of_a_whole_one(compression, length, o
 
 
 def test_json_in_pieces_is_escaped_where_that_is_asked_for():
-    frames = publish_frames("/ödom", "none")
+    frames = FRAMING.frames("/ödom", "none")
     own = PerClient(7, META, is_ascii=True)
     pieces = [b'{"text":"', "ü".encode(), b'"}']
     escaped = bytes(frames.per_client_pieces(Pieces.of(pieces), own))
@@ -65,7 +60,7 @@ def test_json_in_pieces_is_escaped_where_that_is_asked_for():
 
 @pytest.mark.parametrize("compression", BODIES)
 def test_meta_comes_before_the_message(compression):
-    wire = publish_frames("/odom", compression).per_client(
+    wire = FRAMING.frames("/odom", compression).per_client(
         BODIES[compression], PerClient(7, meta=META)
     )
     (frame,) = unpacked(wire)
@@ -83,12 +78,12 @@ def test_meta_comes_before_the_message(compression):
     ],
 )
 def test_only_cbor_comes_in_binary_frames(compression, opcode):
-    (frame,) = websocket_frames(publish_frames("/odom", compression).shared(b"\xa0"))
+    (frame,) = websocket_frames(FRAMING.frames("/odom", compression).shared(b"\xa0"))
     assert frame.opcode is opcode
 
 
 def test_a_picture_of_text_has_meta_next_to_it():
-    png = publish_frames("/odom", "png")
+    png = FRAMING.frames("/odom", "png")
     assert unpacked(png.shared(b"iVBO")) == [{"op": "png", "data": "iVBO"}]
     assert unpacked(png.per_client(b"iVBO", PerClient(7, meta=META))) == [
         {"op": "png", "data": "iVBO", **META_MEMBERS}
@@ -98,7 +93,7 @@ def test_a_picture_of_text_has_meta_next_to_it():
 @pytest.mark.parametrize("compression", ["none", "png"])
 def test_text_is_cut_where_that_is_asked_for(compression):
     body = b'"' + b"x" * 500 + b'"' if compression == "none" else b"x" * 500
-    wire = publish_frames("/odom", compression).per_client(
+    wire = FRAMING.frames("/odom", compression).per_client(
         body, PerClient(7, meta=META, fragment_size=100)
     )
     pieces = unpacked(wire)
@@ -111,7 +106,7 @@ def test_text_is_cut_where_that_is_asked_for(compression):
 @pytest.mark.parametrize("compression", ["cbor", "cbor-raw"])
 def test_binary_frames_are_never_cut_or_escaped(compression):
     body = cbor.dumps({"text": "ü" * 300})
-    wire = publish_frames("/odom", compression).per_client(
+    wire = FRAMING.frames("/odom", compression).per_client(
         body, PerClient(7, fragment_size=64, is_ascii=True)
     )
     (frame,) = websocket_frames(wire)
@@ -121,7 +116,7 @@ def test_binary_frames_are_never_cut_or_escaped(compression):
 def test_json_is_escaped_where_that_is_asked_for():
     body = '{"text":"ü\U0001f916"}'.encode()
     (frame,) = websocket_frames(
-        publish_frames("/odom", "none").per_client(body, PerClient(7, is_ascii=True))
+        FRAMING.frames("/odom", "none").per_client(body, PerClient(7, is_ascii=True))
     )
     assert bytes(frame.data).isascii()
     assert json.loads(bytes(frame.data))["msg"] == {"text": "ü\U0001f916"}

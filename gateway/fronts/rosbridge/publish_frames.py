@@ -1,57 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The WebSocket frames that the server sends (RFC 6455, section 5.2).
+"""The frames of topics.
 
 A message of a topic is framed once and its bytes are shared by all subscribers, which a WebSocket
-library cannot do for us: it frames per connection. Frames from a server are not masked, and none
-is fragmented or compressed, so a header depends on the payload's kind and length alone.
+library cannot do for us: it frames per connection.
 """
 
-import struct
-from dataclasses import dataclass
-from typing import Final, Literal, Protocol
+from collections.abc import Iterable, Iterator
+from typing import Final
 
 import orjson
 
 from gateway.codec import cbor
 from gateway.codec.json import ascii_only
 from gateway.codec.pieces import Pieces
+from gateway.core.frames import Meta, PerClient, PublishFrames
+from gateway.core.requests import Compression
+from gateway.core.ros_time import stamp
 from gateway.fronts.rosbridge import messages
 from gateway.fronts.rosbridge.fragments import split
-
-# the first byte of a complete frame: FIN, and the opcode
-TEXT: Final = 0x81
-BINARY: Final = 0x82
-
-_SHORT: Final = 126  # a shorter length stands in the second byte itself
-_LONG: Final = 1 << 16
-_pack_short: Final = struct.Struct(">BB").pack
-_pack_medium: Final = struct.Struct(">BBH").pack
-_pack_long: Final = struct.Struct(">BBQ").pack
-
-Compression = Literal["none", "png", "cbor", "cbor-raw"]
-"""The form of messages on the wire: JSON, JSON in a picture, CBOR, or CDR in CBOR."""
-
-
-def header(kind: int, length: int) -> bytes:
-    """Return the header of a complete, unmasked frame of `TEXT` or `BINARY`.
-
-    *length* is that of the payload in bytes.
-    """
-    if length < _SHORT:
-        return _pack_short(kind, length)
-    if length < _LONG:
-        return _pack_medium(kind, 126, length)
-    return _pack_long(kind, 127, length)
-
-
-def payload(frame: bytes) -> bytes:
-    """Take the payload out of a single frame of ours."""
-    return frame[_payload_offset(frame) :]
-
-
-def text_frame(payload: bytes) -> bytes:
-    """Return a complete, unmasked text frame."""
-    return header(TEXT, len(payload)) + payload
+from gateway.transport.websocket_frames import BINARY, TEXT, header, payload_offset, text_frame
 
 
 def text_frames(text: bytes, fragment_size: int | None, fragment_id: str) -> bytes:
@@ -59,57 +26,6 @@ def text_frames(text: bytes, fragment_size: int | None, fragment_id: str) -> byt
     if fragment_size is None:
         return text_frame(text)
     return b"".join(map(text_frame, split(text, fragment_size, fragment_id)))
-
-
-@dataclass(frozen=True, slots=True)
-class Meta:
-    """The members that ``meta: true`` adds to a `publish` frame."""
-
-    seq: int
-    received_ns: int
-    size: int  # of the sample, in bytes as CDR
-    dropped: int
-    quality: int | None = None  # of a picture that fits the link
-
-    def members(self) -> dict[str, object]:
-        """Return them by their names on the wire."""
-        received = messages.time(self.received_ns)
-        members: dict[str, object] = {
-            "seq": self.seq,
-            "received": received,
-            "size": self.size,
-            "dropped": self.dropped,
-        }
-        return members if self.quality is None else members | {"quality": self.quality}
-
-
-@dataclass(frozen=True, slots=True)
-class PerClient:
-    """The difference between one subscription's frame and the frame that the others share."""
-
-    seq: int  # of the sample
-    meta: Meta | None = None
-    fragment_size: int | None = None
-    is_ascii: bool = False
-
-
-class PublishFrames(Protocol):
-    """Makes the frames of one topic, in one compression, from encoded messages."""
-
-    def shared(self, message: bytes) -> bytes:
-        """Return the frame that all subscribers get who want nothing special."""
-
-    def message(self, shared: bytes) -> bytes:
-        """Return the message in a shared frame."""
-
-    def per_client(self, message: bytes, own: PerClient) -> bytes:
-        """Return the frame, or frames in a row, that one subscriber gets."""
-
-    def shared_pieces(self, message: Pieces) -> Pieces:
-        """Return the shared frame of a large message, which is not copied."""
-
-    def per_client_pieces(self, message: Pieces, own: PerClient) -> bytes | Pieces:
-        """Return the frame, or frames in a row, of a large message for one subscriber."""
 
 
 class JsonFrames:
@@ -153,7 +69,7 @@ class JsonFrames:
     def _own_prefix(self, own: PerClient) -> bytes:
         if own.meta is None:
             return self._prefix
-        return messages.publish_meta_prefix(self._topic, own.meta.members())
+        return messages.publish_meta_prefix(self._topic, _members(own.meta))
 
 
 class PngFrames:
@@ -181,7 +97,7 @@ class PngFrames:
         """Add meta, and split as requested. Base64 is ASCII in any case."""
         end = b"}"
         if own.meta is not None:
-            end = b"," + orjson.dumps(own.meta.members())[1:]
+            end = b"," + orjson.dumps(_members(own.meta))[1:]
         text = b"".join((self._PREFIX, message, b'"', end))
         return text_frames(text, own.fragment_size, f"publish:{self._topic}:{own.seq}")
 
@@ -226,7 +142,7 @@ class CborFrames:
         return _framed(BINARY, self._own_prefix(own), message, b"")
 
     def _own_prefix(self, own: PerClient) -> bytes:
-        return self._prefix if own.meta is None else self._up_to_message(own.meta.members())
+        return self._prefix if own.meta is None else self._up_to_message(_members(own.meta))
 
     def _up_to_message(self, meta: dict[str, object]) -> bytes:
         members = {"op": "publish", "topic": self._topic, **meta}
@@ -235,15 +151,38 @@ class CborFrames:
         return b"".join((cbor.head(cbor.MAP, len(members) + 1), *items, self._MSG))
 
 
-def publish_frames(topic: str, compression: Compression) -> PublishFrames:
-    """Return what makes the frames of a topic. *topic* is its name as requested."""
-    match compression:
-        case "none":
-            return JsonFrames(topic)
-        case "png":
-            return PngFrames(topic)
-        case "cbor" | "cbor-raw":
-            return CborFrames(topic)
+class RosbridgeFraming:
+    """Makes what frames topics."""
+
+    def frames(self, topic: str, compression: Compression) -> PublishFrames:
+        """Return what makes the frames of a topic. *topic* is its name as requested."""
+        match compression:
+            case "none":
+                return JsonFrames(topic)
+            case "png":
+                return PngFrames(topic)
+            case "cbor" | "cbor-raw":
+                return CborFrames(topic)
+
+    def text(self, topic: str, message: Iterable[bytes]) -> Iterator[bytes]:
+        """Yield the `publish` frame that a picture holds."""
+        yield ascii_only(messages.publish_prefix(topic))
+        yield from map(ascii_only, message)
+        yield messages.PUBLISH_SUFFIX
+
+
+FRAMING: Final = RosbridgeFraming()
+
+
+def _members(meta: Meta) -> dict[str, object]:
+    """Return what ``meta: true`` adds to a `publish` frame."""
+    members: dict[str, object] = {
+        "seq": meta.seq,
+        "received": stamp(meta.received_ns),
+        "size": meta.size,
+        "dropped": meta.dropped,
+    }
+    return members if meta.quality is None else members | {"quality": meta.quality}
 
 
 def _framed(kind: int, prefix: bytes, message: Pieces, suffix: bytes) -> Pieces:
@@ -252,8 +191,4 @@ def _framed(kind: int, prefix: bytes, message: Pieces, suffix: bytes) -> Pieces:
 
 
 def _after(prefix: bytes, frame: bytes) -> bytes:
-    return frame[_payload_offset(frame) + len(prefix) :]
-
-
-def _payload_offset(frame: bytes) -> int:
-    return {126: 4, 127: 10}.get(frame[1], 2)
+    return frame[payload_offset(frame) + len(prefix) :]

@@ -5,7 +5,7 @@ import pytest
 
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig, OperatorConfig
-from gateway.core.introspection.help import DOCS
+from gateway.fronts.rosbridge.help import DOCS
 from gateway.fronts.rosbridge.operations import OPERATIONS
 from tests.core.conftest import Bench
 

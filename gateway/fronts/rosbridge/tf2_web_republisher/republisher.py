@@ -11,13 +11,13 @@ from collections.abc import Callable, Mapping
 from operator import attrgetter
 from typing import Any, Final, Protocol
 
+from gateway.core.session import Session
 from gateway.core.transforms.republications import Republications
-from gateway.core.transforms.republisher_action import RepublisherAction
-from gateway.core.transforms.republisher_actionlib import RepublisherActionlib
-from gateway.core.transforms.republisher_service import RepublisherService
-from gateway.core.transforms.tf_listener import TfListener
 from gateway.fronts.rosbridge.operations import ClientOperation, actions, services, topics
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.session import RosbridgeSession
+from gateway.fronts.rosbridge.tf2_web_republisher.action import RepublisherAction
+from gateway.fronts.rosbridge.tf2_web_republisher.actionlib import RepublisherActionlib
+from gateway.fronts.rosbridge.tf2_web_republisher.service import RepublisherService
 from gateway.sources.source import Ros
 
 # How all its names begin. This is asked for every message that is published, so it comes first.
@@ -42,7 +42,9 @@ _NAME_OF: Final[Mapping[type, Callable[[Any], str]]] = {
 class _Way(Protocol):
     """One of the ways to ask."""
 
-    def work(self, session: Session, operation: ClientOperation) -> Callable[[], None] | None:
+    def work(
+        self, session: RosbridgeSession, operation: ClientOperation
+    ) -> Callable[[], None] | None:
         """Return what carries out an operation, if it is for this way."""
 
     def leave(self, session: Session) -> None:
@@ -52,20 +54,16 @@ class _Way(Protocol):
 class TfRepublisher:
     """Finds the operations that are for tf2_web_republisher, and carries them out."""
 
-    def __init__(self, ros: Ros, listener: TfListener) -> None:
-        self._republications = Republications(listener)
+    def __init__(self, ros: Ros, republications: Republications) -> None:
         self._ways: tuple[_Way, ...] = (
-            RepublisherAction(ros, self._republications),
-            RepublisherService(ros, self._republications),
-            RepublisherActionlib(ros, self._republications),
+            RepublisherAction(ros, republications),
+            RepublisherService(ros, republications),
+            RepublisherActionlib(ros, republications),
         )
 
-    @property
-    def arrays(self) -> int:
-        """The number of arrays of transforms that clients have asked for."""
-        return len(self._republications)
-
-    def work(self, session: Session, operation: ClientOperation) -> Callable[[], None] | None:
+    def work(
+        self, session: RosbridgeSession, operation: ClientOperation
+    ) -> Callable[[], None] | None:
         """Return what carries out an operation, or ``None`` if it is not for tf2_web_republisher.
 
         The returned function raises `ProtocolError` and `RosError` as refusals.
@@ -83,7 +81,6 @@ class TfRepublisher:
         return None
 
     def leave(self, session: Session) -> None:
-        """End everything of a client."""
+        """Forget a client, whose arrays the core ends."""
         for way in self._ways:
             way.leave(session)
-        self._republications.leave(session)

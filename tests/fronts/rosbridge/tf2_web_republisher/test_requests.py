@@ -4,7 +4,12 @@
 import pytest
 
 from gateway.core.errors import ProtocolError
-from gateway.fronts.rosbridge.republish_requests import ActionGoal, GoalId, RepublishRequest, parse
+from gateway.fronts.rosbridge.tf2_web_republisher.requests import (
+    ActionGoal,
+    GoalId,
+    RepublishRequest,
+    parse,
+)
 
 FRAMES = {"source_frames": ["a"], "target_frame": "b"}
 

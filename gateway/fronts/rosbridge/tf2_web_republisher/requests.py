@@ -11,8 +11,10 @@ from pydantic import ConfigDict, Field, ValidationError, field_validator
 
 from gateway.codec.error_text import kind
 from gateway.core.errors import ProtocolError
+from gateway.core.requests import MIN_RATE_HZ
+from gateway.core.transforms.republications import ArrayKey
 from gateway.fronts.rosbridge.explain import explain
-from gateway.fronts.rosbridge.operations.base import MAX_ID_CHARACTERS, MIN_RATE_HZ, OperationPart
+from gateway.fronts.rosbridge.operations.base import MAX_ID_CHARACTERS, OperationPart
 from gateway.fronts.rosbridge.operations.transforms import (
     MAX_RATE_HZ,
     MAX_TIMEOUT_S,
@@ -93,3 +95,15 @@ def parse(model: type[T], values: object, where: str) -> T:
         return model.model_validate(values)
     except ValidationError as error:
         raise ProtocolError("invalid_value", f"{where}.{explain(error)}") from error
+
+
+def array_key(request: RepublishRequest) -> ArrayKey:
+    """Return the array of a request. As in tf2_web_republisher, a leading slash is dropped."""
+    sources = dict.fromkeys(name.removeprefix("/") for name in request.source_frames)
+    return ArrayKey(
+        request.target_frame.removeprefix("/"),
+        tuple(sources),
+        request.rate_hz,
+        request.angular_thres,
+        request.trans_thres,
+    )

@@ -8,16 +8,18 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+from gateway.core import requests
 from gateway.core.errors import ProtocolError
 from gateway.core.names import resolve_topic
+from gateway.core.session import Session
 from gateway.core.transforms.republications import Republication, Republications
-from gateway.core.transforms.virtual_topic import VirtualTopic
 from gateway.fronts.rosbridge import messages
 from gateway.fronts.rosbridge.operations import ClientOperation
 from gateway.fronts.rosbridge.operations.services import CallService
 from gateway.fronts.rosbridge.operations.topics import Subscribe, Unsubscribe
-from gateway.fronts.rosbridge.republish_requests import RepublishRequest, parse
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.session import RosbridgeSession
+from gateway.fronts.rosbridge.tf2_web_republisher.requests import RepublishRequest, array_key, parse
+from gateway.fronts.rosbridge.tf2_web_republisher.virtual_topic import VirtualTopic
 from gateway.sources.source import Ros
 
 SERVICE: Final = "/republish_tfs"
@@ -47,7 +49,9 @@ class RepublisherService:
         # by their topics, to which nobody else can subscribe
         self._own: dict[Session, dict[str, _Array]] = {}
 
-    def work(self, session: Session, operation: ClientOperation) -> Callable[[], None] | None:
+    def work(
+        self, session: RosbridgeSession, operation: ClientOperation
+    ) -> Callable[[], None] | None:
         """Return what carries out an operation, if it is for this service or one of its topics.
 
         Raises:
@@ -70,11 +74,13 @@ class RepublisherService:
         for array in self._own.pop(session, {}).values():
             array.expiry.cancel()
 
-    def _call(self, session: Session, request: CallService) -> None:
+    def _call(self, session: RosbridgeSession, request: CallService) -> None:
         asked = parse(RepublishRequest, request.args, "args")
         name = f"{_TOPIC}{secrets.token_hex(_TOKEN_BYTES)}"
         topic = VirtualTopic(session, name, _TYPE)
-        added = self._republications.add(session, asked, request, partial(_frames, topic))
+        about = requests.CallService(id=request.id, service=request.service)
+        wrap = partial(_frames, topic)
+        added = self._republications.add(session, array_key(asked), about, wrap)
         loop = asyncio.get_running_loop()
         expiry = loop.call_later(asked.timeout_s, self._end, session, name)
         self._own.setdefault(session, {})[name] = _Array(topic, added, expiry)
@@ -82,7 +88,7 @@ class RepublisherService:
         frame = messages.service_response(request.service, request.id, values, result=True)
         session.send(frame, request.fragment_size)
 
-    def _subscribe(self, session: Session, request: Subscribe) -> None:
+    def _subscribe(self, session: RosbridgeSession, request: Subscribe) -> None:
         name = _resolved(request.topic)
         array = self._own.get(session, {}).get(name)
         if array is None:
@@ -94,14 +100,14 @@ class RepublisherService:
         array.expiry.cancel()
         self._republications.begin(array.republication)
 
-    def _unsubscribe(self, session: Session, request: Unsubscribe) -> None:
+    def _unsubscribe(self, session: RosbridgeSession, request: Unsubscribe) -> None:
         name = _resolved(request.topic)
         topic = self._own[session][name].topic
         topic.unsubscribe(request)
         if not topic:
             self._end(session, name)
 
-    def _end(self, session: Session, name: str) -> None:
+    def _end(self, session: RosbridgeSession, name: str) -> None:
         own = self._own[session]
         array = own.pop(name)
         if not own:

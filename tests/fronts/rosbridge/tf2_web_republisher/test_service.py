@@ -9,7 +9,7 @@ import pytest
 
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig
-from gateway.core.transforms import republisher_service
+from gateway.fronts.rosbridge.tf2_web_republisher import service
 from tests.client import eventually
 from tests.clock import StoppedClock
 from tests.core.conftest import LIMITS, Bench, Socketless
@@ -21,7 +21,7 @@ from tests.core.transforms.conftest import Robot
 def numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let topics end in 1, 2 and so on."""
     numbers = itertools.count(1)
-    monkeypatch.setattr(republisher_service.secrets, "token_hex", lambda _: str(next(numbers)))
+    monkeypatch.setattr(service.secrets, "token_hex", lambda _: str(next(numbers)))
 
 
 FIRST = "/tf2_web_republisher/tf_repub_1"

@@ -13,10 +13,11 @@ from typing import Final
 import orjson
 
 from gateway.codec.json import dumps
+from gateway.core import requests
 from gateway.core.errors import NothingThereError, ProtocolError
+from gateway.core.ros_time import stamp
+from gateway.core.session import Session
 from gateway.core.transforms.republications import Republication, Republications
-from gateway.core.transforms.virtual_topic import VirtualTopic
-from gateway.fronts.rosbridge import messages
 from gateway.fronts.rosbridge.operations import ClientOperation
 from gateway.fronts.rosbridge.operations.topics import (
     Advertise,
@@ -25,8 +26,15 @@ from gateway.fronts.rosbridge.operations.topics import (
     Unadvertise,
     Unsubscribe,
 )
-from gateway.fronts.rosbridge.republish_requests import ActionGoal, GoalId, RepublishRequest, parse
-from gateway.fronts.rosbridge.session import Session
+from gateway.fronts.rosbridge.session import RosbridgeSession
+from gateway.fronts.rosbridge.tf2_web_republisher.requests import (
+    ActionGoal,
+    GoalId,
+    RepublishRequest,
+    array_key,
+    parse,
+)
+from gateway.fronts.rosbridge.tf2_web_republisher.virtual_topic import VirtualTopic
 from gateway.sources.source import Ros
 
 _GOAL: Final = "/tf2_web_republisher/goal"
@@ -55,7 +63,9 @@ class RepublisherActionlib:
         self._republications = republications
         self._own: dict[Session, _Own] = {}
 
-    def work(self, session: Session, operation: ClientOperation) -> Callable[[], None] | None:
+    def work(
+        self, session: RosbridgeSession, operation: ClientOperation
+    ) -> Callable[[], None] | None:
         """Return what carries out an operation, if it is for one of these topics."""
         work: Callable[[], None] | None = None
         match operation:
@@ -79,10 +89,10 @@ class RepublisherActionlib:
         """Forget the goals of a client."""
         self._own.pop(session, None)
 
-    def _of(self, session: Session) -> _Own:
+    def _of(self, session: RosbridgeSession) -> _Own:
         return self._own.get(session) or _Own(VirtualTopic(session, _FEEDBACK, _FEEDBACK_TYPE))
 
-    def _send(self, session: Session, request: Publish) -> None:
+    def _send(self, session: RosbridgeSession, request: Publish) -> None:
         message = parse(ActionGoal, request.msg, "msg")
         goal_id = parse(GoalId, message.goal_id, "msg.goal_id").id
         asked = parse(RepublishRequest, message.goal, "msg.goal")
@@ -91,12 +101,13 @@ class RepublisherActionlib:
             text = f"msg.goal_id.id: {goal_id!r} is already in use by an unfinished goal"
             raise ProtocolError("bad_request", text)
         wrap = partial(self._feedback, own.feedback, goal_id)
-        goal = own.goals[goal_id] = self._republications.add(session, asked, request, wrap)
+        about = requests.Publish(id=request.id, topic=request.topic, msg=None)
+        goal = own.goals[goal_id] = self._republications.add(session, array_key(asked), about, wrap)
         self._own[session] = own
         if own.feedback:
             self._republications.begin(goal)
 
-    def _cancel(self, session: Session, request: Publish) -> None:
+    def _cancel(self, session: RosbridgeSession, request: Publish) -> None:
         goal_id = parse(GoalId, request.msg, "msg").id
         own = self._of(session)
         ended = [goal_id] if goal_id else list(own.goals)
@@ -107,14 +118,14 @@ class RepublisherActionlib:
             self._republications.end(goal)
         self._forget_idle(session, own)
 
-    def _subscribe(self, session: Session, request: Subscribe) -> None:
+    def _subscribe(self, session: RosbridgeSession, request: Subscribe) -> None:
         own = self._of(session)
         own.feedback.subscribe(request)
         self._own[session] = own
         for goal in own.goals.values():
             self._republications.begin(goal)
 
-    def _unsubscribe(self, session: Session, request: Unsubscribe) -> None:
+    def _unsubscribe(self, session: RosbridgeSession, request: Unsubscribe) -> None:
         own = self._own[session]
         own.feedback.unsubscribe(request)
         if not own.feedback:  # roslib does not cancel the goal of a client that it disposes of
@@ -123,13 +134,13 @@ class RepublisherActionlib:
             own.goals.clear()
         self._forget_idle(session, own)
 
-    def _forget_idle(self, session: Session, own: _Own) -> None:
+    def _forget_idle(self, session: RosbridgeSession, own: _Own) -> None:
         if not (own.feedback or own.goals):
             self._own.pop(session, None)
 
     def _feedback(self, topic: VirtualTopic, goal_id: str, transforms: bytes) -> bytes:
-        header = {"stamp": messages.time(self._ros.now_ns()), "frame_id": ""}
-        known = orjson.dumps({"stamp": messages.time(0), "id": goal_id})
+        header = {"stamp": stamp(self._ros.now_ns()), "frame_id": ""}
+        known = orjson.dumps({"stamp": stamp(0), "id": goal_id})
         message = (
             b'{"header":%b,"status":{"goal_id":%b,"status":%d,"text":""}'
             b',"feedback":{"transforms":%b}}'
@@ -137,8 +148,8 @@ class RepublisherActionlib:
         return topic.frames(message % (dumps(header), known, _ACTIVE, transforms))
 
 
-def _advertise(session: Session, request: Advertise) -> None:
-    session.inform(f"advertised {request.topic} (answered by the gateway)", request.op, request.id)
+def _advertise(session: RosbridgeSession, request: Advertise) -> None:
+    session.inform(f"advertised {request.topic} (answered by the gateway)", request.request())
 
 
 def _unadvertise() -> None:

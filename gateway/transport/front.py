@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The interface of a protocol that is spoken on the port."""
+
+from abc import abstractmethod
+from collections.abc import Callable
+from typing import Protocol
+
+from gateway.access.permissions import Identity
+from gateway.config.limits import Limits
+from gateway.core.errors import Level, StatusCode
+from gateway.core.requests import Request
+from gateway.core.session import Session
+
+
+class ClientSession(Session):
+    """The session of a client behind a socket."""
+
+    def __init__(self, limits: Limits, wake: Callable[[], None], identity: Identity | None) -> None:
+        super().__init__(limits, wake, identity)
+        # takes a token and the request that it came with, if clients have to show one
+        self.authenticate: Callable[[str | None, Request], None] = lambda token, request: None
+        # called with each message that cannot be read, once it is refused
+        self.on_unreadable: Callable[[bytes], None] = lambda data: None
+
+    @abstractmethod
+    def is_stop(self, data: bytes) -> bool:
+        """Return whether a message is a `stop`, which may go before the ones that came earlier."""
+
+    @abstractmethod
+    def set_level(self, level: Level) -> None:
+        """Report only what is of this severity or worse."""
+
+
+class Front(Protocol):
+    """A protocol: it opens a session for each client, and reads its messages."""
+
+    def open(
+        self, wake: Callable[[], None], address: str, identity: Identity | None
+    ) -> ClientSession:
+        """Open a session. It calls *wake* whenever its outbox has something to send.
+
+        *identity* is ``None`` for a client that has yet to authenticate.
+        """
+
+    def rejection(self, code: StatusCode, reason: str) -> bytes:
+        """Return the message to a client that is turned away before it has a session."""
+
+    def receive(self, session: ClientSession, data: bytes) -> None:
+        """Carry out one message of a client. Every error is answered."""
