@@ -22,7 +22,7 @@ class ServiceClient(Protocol):
         """Destroy it. Pending calls fail. Closing twice is harmless."""
 
 
-class Request(Protocol):
+class ServiceRequest(Protocol):
     """A request to a service that the gateway provides."""
 
     @property
@@ -58,7 +58,9 @@ class Services(Protocol):
             RosError: as for `subscribe`. *type_name* is ``pkg/srv/Name``.
         """
 
-    def serve(self, service: str, type_name: str, on_request: Callable[[Request], None]) -> Service:
+    def serve(
+        self, service: str, type_name: str, on_request: Callable[[ServiceRequest], None]
+    ) -> Service:
         """Provide a service by its fully resolved name.
 
         Raises:

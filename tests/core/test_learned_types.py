@@ -9,7 +9,7 @@ import pytest
 
 from gateway.core import learned_types
 from gateway.core.learned_types import LOOK_S
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from gateway.sources.source import TypeHolder
 from schemas.definition import parse_definition
 from schemas.installed import InstalledDefinitions
@@ -30,7 +30,7 @@ class Node:
     def __init__(self, bench: Bench, name: str = "/lamp", *, has_service: bool = True) -> None:
         self.bench = bench
         self.name = name
-        self.requests: list[Request] = []
+        self.requests: list[ServiceRequest] = []
         if has_service:
             self.serve()
 

@@ -11,7 +11,7 @@ from gateway.codec.types import Types
 from gateway.core.deadline import Deadline
 from gateway.core.errors import ProtocolError
 from gateway.core.service_clients import ServiceClients, encode_values
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from gateway.sources.source import RosError
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
@@ -34,7 +34,7 @@ async def service_clients(ros: FakeRos) -> AsyncIterator[ServiceClients]:
     assert ros.entity_count() == 0
 
 
-def answer(request: Request) -> None:
+def answer(request: ServiceRequest) -> None:
     data = SET_BOOL.request.decode(request.cdr)["data"]
     response = SET_BOOL.response
     request.answer(response.encode({"success": data}, now_ns=0))
@@ -73,7 +73,7 @@ async def test_a_call_waits_for_its_server_as_long_as_it_may(
 async def test_a_cancelled_call_leaves_nothing_under_way(
     ros: FakeRos, service_clients: ServiceClients
 ) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     ros.add_service("/arm", SET_BOOL.name, requests.append)
     calling = asyncio.ensure_future(service_clients.call("/arm", SET_BOOL, {}, Deadline.within(30)))
     await eventually(lambda: bool(requests))

@@ -17,7 +17,7 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.frames import CloseCode
 
 from gateway.sources.actions import CANCELED, GoalRequest
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from tests.client import TIMEOUT_S, client, eventually
 from tests.e2e.discovery import until_discovered
 from tests.gateway_process import GatewayProcess, gateway_process
@@ -123,7 +123,7 @@ async def test_everything_that_rough_clients_had_open_is_closed_and_forgotten(
     outside: Outside,
 ) -> None:
     """Also of ROS nodes that never answer, and of each other."""
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     goals: list[GoalRequest] = []
     cancelled: list[GoalRequest] = []
 

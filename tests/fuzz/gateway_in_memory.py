@@ -13,7 +13,7 @@ from gateway.config.limits import Limits
 from gateway.core.router import Router
 from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.sources.actions import SUCCEEDED, GoalRequest
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from schemas.table import Table
 from tests.fuzz import types
 from tests.fuzz.target import check
@@ -74,7 +74,7 @@ class World:
         self._odometry.publish(self.ros.empty("nav_msgs/msg/Odometry"))
         self._odometry.publish(b"\0\1\0\0" + b"\xff" * 40)
 
-    def _answer(self, request: Request) -> None:
+    def _answer(self, request: ServiceRequest) -> None:
         request.answer(self.ros.empty("std_srvs/srv/SetBool_Response"))
 
     def _finish(self, goal: GoalRequest) -> None:

@@ -12,7 +12,7 @@ from concurrent.futures import Future
 from typing import Any, TypeVar
 
 from gateway.sources.actions import SUCCEEDED, GoalRequest
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from tests.client import TIMEOUT_S
 from tests.e2e.test_rough_disconnects import at_rest, health, left_behind
 from tests.fuzz import types
@@ -171,7 +171,7 @@ class Stage:
         """Have a measured gateway report what holds its loop from now on."""
         self.gateway.process.send_signal(signal.SIGRTMIN)
 
-    def _answer(self, request: Request) -> None:
+    def _answer(self, request: ServiceRequest) -> None:
         request.answer(types.types().get(f"{SETBOOL}_Response").encode({"success": True}, 0))
 
     def _finish(self, goal: GoalRequest) -> None:

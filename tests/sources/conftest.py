@@ -13,7 +13,7 @@ from gateway.sources.actions import ActionClient, GoalRequest
 from gateway.sources.rclpy import RosOptions, open_ros
 from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.port import RclpyRos
-from gateway.sources.services import Request, ServiceClient
+from gateway.sources.services import ServiceClient, ServiceRequest
 from gateway.sources.source import Publisher, Qos, Ros, Sample
 from schemas.installed import InstalledDefinitions
 from tests.sources.fake import FakeRos
@@ -60,7 +60,7 @@ class World(Protocol):
     def add_client(self, name: str, type_name: str) -> ServiceClient: ...
 
     def add_service(
-        self, name: str, type_name: str, on_request: Callable[[Request], None]
+        self, name: str, type_name: str, on_request: Callable[[ServiceRequest], None]
     ) -> Any: ...
 
     def add_action_client(self, name: str, type_name: str) -> ActionClient: ...

@@ -32,7 +32,7 @@ from gateway.sources.rclpy.qos import (
     unmatched_publishers,
     unmatched_subscribers,
 )
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from gateway.sources.source import (
     MAX_TAKES_PER_TURN,
     Graph,
@@ -323,7 +323,7 @@ class FakeRos:
         return self.add_client(service, type_name, f"/{self.prefix}_services")
 
     def serve(
-        self, service: str, type_name: str, on_request: Callable[[Request], None]
+        self, service: str, type_name: str, on_request: Callable[[ServiceRequest], None]
     ) -> FakeService:
         check_service(service)
         self._check_new(service, type_name, "srv", [*self.clients, *self.service_servers])
@@ -479,7 +479,7 @@ class FakeRos:
         self,
         name: str,
         type_name: str,
-        on_request: Callable[[Request], None],
+        on_request: Callable[[ServiceRequest], None],
         node: str = "/outside",
     ) -> FakeService:
         """Add a server of a service. Closing it lets it vanish."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from gateway.sources.source import RosError
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ class FakeService:
     ros: "FakeRos"
     name: str
     type_name: str
-    on_request: Callable[[Request], None]
+    on_request: Callable[[ServiceRequest], None]
     node: str
     is_closing: bool = False
 

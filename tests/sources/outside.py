@@ -12,7 +12,7 @@ from gateway.sources.rclpy.executor import ExecutorThread
 from gateway.sources.rclpy.interfaces import message_class
 from gateway.sources.rclpy.profile import to_profile
 from gateway.sources.rclpy.qos import adopt, complete_offer
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from gateway.sources.source import Qos, Sample
 from tests.sources.nodes import open_node
 from tests.sources.outside_actions import (
@@ -93,7 +93,7 @@ class Outside:
         self,
         name: str,
         type_name: str,
-        on_request: Callable[[Request], None],
+        on_request: Callable[[ServiceRequest], None],
         depth: int = 10,  # that of ROS
     ) -> OutsideService:
         return OutsideService(self.node, self._guard.trigger, name, type_name, on_request, depth)

@@ -13,7 +13,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.task import Future
 
 from gateway.sources.rclpy.interfaces import service_class
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 
 KNOWN_S = 3  # a client that has gone is no longer waited for
 
@@ -56,7 +56,7 @@ class OutsideService:
         wake: Callable[[], None],
         name: str,
         type_name: str,
-        on_request: Callable[[Request], None],
+        on_request: Callable[[ServiceRequest], None],
         depth: int,
     ) -> None:
         self._node = node

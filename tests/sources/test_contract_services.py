@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from gateway.sources.services import Request, ServiceClient
+from gateway.sources.services import ServiceClient, ServiceRequest
 from gateway.sources.source import RosError
 from tests.client import TIMEOUT_S, eventually, eventually_equal
 from tests.sources.conftest import Robot
@@ -42,7 +42,7 @@ def text_of(cdr: bytes) -> str:
     return cdr[12 : 12 + int.from_bytes(cdr[8:12], "little") - 1].decode()
 
 
-def echo(request: Request) -> None:
+def echo(request: ServiceRequest) -> None:
     request.answer(response(f"got {bool(request.cdr[4])}"))
 
 
@@ -88,7 +88,7 @@ async def test_a_call_waits_for_its_server(robot: Robot) -> None:
     assert text_of(await soon(calling)) == "got True"
 
 
-async def in_turn(client: Any, requests: list[Request]) -> list[asyncio.Future[bytes]]:
+async def in_turn(client: Any, requests: list[ServiceRequest]) -> list[asyncio.Future[bytes]]:
     """Make five calls, each after the one before has come to the server."""
     calls = []
     for count in range(1, 6):
@@ -98,7 +98,7 @@ async def in_turn(client: Any, requests: list[Request]) -> list[asyncio.Future[b
 
 
 async def test_answers_may_come_in_another_order_than_requests(robot: Robot) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     robot.ros.services.serve("/arm", SET_BOOL, requests.append)
     client = robot.world.add_client("/arm", SET_BOOL)
     calls = await in_turn(client, requests)
@@ -108,7 +108,7 @@ async def test_answers_may_come_in_another_order_than_requests(robot: Robot) -> 
 
 
 async def test_answers_of_an_outside_server_may_come_in_another_order(robot: Robot) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     robot.world.add_service("/arm", SET_BOOL, requests.append)
     client = robot.ros.services.client("/arm", SET_BOOL)
     calls = await in_turn(client, requests)
@@ -132,7 +132,7 @@ async def test_a_hundred_calls_at_once_are_all_answered(robot: Robot) -> None:
 
 
 async def test_a_server_that_vanishes_fails_the_call_it_had(robot: Robot) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     server = robot.world.add_service("/arm", SET_BOOL, requests.append)
     client = robot.ros.services.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
@@ -153,7 +153,7 @@ async def test_a_client_calls_a_server_that_has_come_back(robot: Robot) -> None:
 
 
 async def test_closing_a_client_fails_its_calls(robot: Robot) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     robot.world.add_service("/arm", SET_BOOL, requests.append)
     client = robot.ros.services.client("/arm", SET_BOOL)
     waiting = robot.ros.services.client("/leg", SET_BOOL)
@@ -170,7 +170,7 @@ async def test_closing_a_client_fails_its_calls(robot: Robot) -> None:
 
 
 async def test_a_cancelled_call_is_forgotten(robot: Robot) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     robot.world.add_service("/arm", SET_BOOL, requests.append)
     client = robot.ros.services.client("/arm", SET_BOOL)
     first = asyncio.ensure_future(client.call(request(True)))
@@ -185,7 +185,7 @@ async def test_a_cancelled_call_is_forgotten(robot: Robot) -> None:
 
 
 async def test_a_request_is_answered_once(robot: Robot) -> None:
-    def answer_twice(each: Request) -> None:
+    def answer_twice(each: ServiceRequest) -> None:
         each.answer(response("first"))
         each.answer(response("second"))
 
@@ -196,7 +196,7 @@ async def test_a_request_is_answered_once(robot: Robot) -> None:
 
 
 async def test_an_answer_to_a_client_that_has_gone_goes_nowhere(robot: Robot) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     robot.ros.services.serve("/arm", SET_BOOL, requests.append)
     client = robot.ros.services.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
@@ -208,7 +208,7 @@ async def test_an_answer_to_a_client_that_has_gone_goes_nowhere(robot: Robot) ->
 
 
 async def test_an_answer_after_the_service_is_closed_goes_nowhere(robot: Robot) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     service = robot.ros.services.serve("/arm", SET_BOOL, requests.append)
     client = robot.world.add_client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
@@ -219,7 +219,7 @@ async def test_an_answer_after_the_service_is_closed_goes_nowhere(robot: Robot) 
 
 
 async def test_no_request_comes_after_close(robot: Robot) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     service = robot.ros.services.serve("/arm", SET_BOOL, requests.append)
     client = robot.world.add_client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
@@ -241,9 +241,9 @@ async def test_a_service_that_closes_answers_what_has_arrived(robot: Robot) -> N
 
 async def answers_while_closing(robot: Robot, client: ServiceClient) -> int:
     """Close a service at the first of many requests. Return how many had arrived."""
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
 
-    def on_request(each: Request) -> None:
+    def on_request(each: ServiceRequest) -> None:
         requests.append(each)
         each.answer(response("closing"))
         service.close()
@@ -310,7 +310,7 @@ async def test_a_service_is_open_with_one_type_at_a_time(robot: Robot) -> None:
 
 
 async def test_a_server_of_another_type_is_not_called(robot: Robot) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     robot.world.add_service("/arm", TRIGGER, requests.append)
     client = robot.ros.services.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))

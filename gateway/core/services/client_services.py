@@ -22,7 +22,7 @@ from gateway.core.requests import (
 from gateway.core.service_clients import encode_values
 from gateway.core.session import Session
 from gateway.core.takeover import check_takeover, nodes_of, warn_of_others
-from gateway.sources.services import Request, Service
+from gateway.sources.services import Service, ServiceRequest
 from gateway.sources.source import Ros, RosError
 
 logger = logging.getLogger(__name__)
@@ -35,7 +35,7 @@ MAX_PENDING: Final = 64
 class PendingCall:
     """A call that a client has to answer."""
 
-    request: Request
+    request: ServiceRequest
     deadline: asyncio.TimerHandle
 
 
@@ -177,7 +177,7 @@ class ClientServices:
     ) -> None:
         provided: ClientService
 
-        def on_request(call: Request) -> None:
+        def on_request(call: ServiceRequest) -> None:
             self._pass_on(service, provided, call)
 
         opened = self._ros.services.serve(service, service_type.name, on_request)
@@ -185,7 +185,7 @@ class ClientServices:
             session, requested_name, service_type, opened
         )
 
-    def _pass_on(self, service: ServiceName, provided: ClientService, call: Request) -> None:
+    def _pass_on(self, service: ServiceName, provided: ClientService, call: ServiceRequest) -> None:
         if provided.closed_because is not None:
             _fail(call, provided.type, provided.closed_because)
             return
@@ -220,7 +220,7 @@ class ClientServices:
         provided.service.close()
 
 
-def _fail(request: Request, service_type: ServiceType, reason: str) -> None:
+def _fail(request: ServiceRequest, service_type: ServiceType, reason: str) -> None:
     """Answer a call that has failed. A caller that is gone needs no answer."""
     try:
         request.answer(failure(service_type.response, reason))

@@ -44,7 +44,7 @@ from gateway.sources.rclpy.service_entities import RclpyClient, RclpyService, Rc
 from gateway.sources.rclpy.time_jumps import JumpWatch
 from gateway.sources.rclpy.wait_set_events import WaitSetReadyEvents
 from gateway.sources.rclpy.watches import GraphWatch, GraphWatches
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from gateway.sources.source import (
     Graph,
     LogLevel,
@@ -195,7 +195,7 @@ class RclpyRos:
         return self._services.client(service, type_name)
 
     def serve(
-        self, service: str, type_name: str, on_request: Callable[[Request], None]
+        self, service: str, type_name: str, on_request: Callable[[ServiceRequest], None]
     ) -> RclpyService:
         """Provide a service by its fully resolved name. See the port."""
         self._check_service(service, type_name)

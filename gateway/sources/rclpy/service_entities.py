@@ -11,7 +11,7 @@ from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.name_checks import check_service
 from gateway.sources.rclpy.service_forms import ServiceForm
 from gateway.sources.rclpy.service_versions import Versions, of_service
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from gateway.sources.source import RosError, ServerInfo
 
 
@@ -65,7 +65,7 @@ class RclpyServices:
         return client
 
     def serve(
-        self, service: str, type_name: str, on_request: Callable[[Request], None]
+        self, service: str, type_name: str, on_request: Callable[[ServiceRequest], None]
     ) -> "RclpyService":
         """Open a server. See `gateway.sources.services.Services.serve`."""
         check_service(service)
@@ -180,7 +180,7 @@ class RclpyService:
         endpoints: Endpoints,
         name: str,
         form: ServiceForm,
-        on_request: Callable[[Request], None],
+        on_request: Callable[[ServiceRequest], None],
         on_close: Callable[["RclpyService"], None],
     ) -> None:
         self.name = name

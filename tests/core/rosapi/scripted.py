@@ -9,7 +9,7 @@ from gateway.codec.types import ServiceType, Types
 from gateway.core.deadline import Deadline
 from gateway.core.rosapi import Parameters
 from gateway.core.service_clients import ServiceClients
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from schemas.installed import InstalledDefinitions
 from tests.sources.fake import FakeRos
 
@@ -53,7 +53,7 @@ class ScriptedNodes:
         type_name = "".join(part.capitalize() for part in service.split("_"))
         type_ = self.types.service(f"rcl_interfaces/srv/{type_name}")
 
-        def on_request(request: Request) -> None:
+        def on_request(request: ServiceRequest) -> None:
             values = reply(type_.request.decode(request.cdr))
             if values is not None:
                 request.answer(type_.response.encode(values, 0))

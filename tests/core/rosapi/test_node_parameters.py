@@ -13,7 +13,7 @@ from gateway.core.errors import ProtocolError
 from gateway.core.rosapi import Parameters, SetResult, node_parameters
 from gateway.core.rosapi.node_parameters import EACH_NODE_TIMEOUT_S
 from gateway.core.rosapi.unresponsive_nodes import FRESH_S
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from gateway.sources.source import Ros
 from tests.client import TIMEOUT_S, eventually
 from tests.clock import StoppedClock
@@ -318,7 +318,7 @@ async def test_a_node_whose_answer_is_lost_is_asked_again(
 async def test_the_answer_to_the_first_question_counts_when_it_comes_late(
     nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     type_ = nodes.types.service("rcl_interfaces/srv/ListParameters")
     nodes.ros.add_service("/robot/list_parameters", type_.name, requests.append, node="/robot")
     clock = StoppedClock(monkeypatch)

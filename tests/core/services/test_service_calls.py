@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from tests.client import eventually
 from tests.clock import StoppedClock
 from tests.core.conftest import LIMITS, Bench
@@ -23,12 +23,12 @@ class Arm:
 
     def __init__(self, bench: Bench, *, at_once: bool = True) -> None:
         self.bench = bench
-        self.requests: list[Request] = []
+        self.requests: list[ServiceRequest] = []
         self.service = bench.ros.add_service("/arm", SET_BOOL, self.requests.append)
         if at_once:
             self.service.on_request = self.answer
 
-    def answer(self, request: Request) -> None:
+    def answer(self, request: ServiceRequest) -> None:
         values = self.bench.types.get(f"{SET_BOOL}_Request").decode(request.cdr)
         message = f"got {json.dumps(values['data'])}"
         request.answer(self.bench.cdr(f"{SET_BOOL}_Response", success=True, message=message))

@@ -23,7 +23,7 @@ from gateway.sources.rclpy.options import Taking
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.rclpy_private import ReadyCallbacks
 from gateway.sources.rclpy.ready_events import UnsupportedError
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from gateway.sources.source import (
     Graph,
     LogLevel,
@@ -452,7 +452,7 @@ async def test_a_middleware_without_callbacks_is_noticed_at_the_start(
 @pytest.mark.long
 @pytest.mark.parametrize("taking", ["eventfd", "wait_set"])
 async def test_two_hundred_rounds_of_each_kind_leave_nothing(taking: Taking) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     goals: list[GoalRequest] = []
     ros = RclpyRos(RosOptions(taking=taking))
     nodes: list[Node] = [

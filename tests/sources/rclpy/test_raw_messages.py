@@ -17,7 +17,7 @@ from gateway.codec.types import Types
 from gateway.sources.rclpy import RosOptions
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.raw_messages import RawMessage
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from gateway.sources.source import RosError
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
@@ -134,7 +134,7 @@ async def test_a_wrong_response_arrives_as_it_is_and_is_refused_by_the_codec(
 async def test_a_response_that_cannot_be_sent_is_refused_and_the_request_stays_open(ros: RclpyRos):
     refusals: list[str] = []
 
-    def answer(each: Request) -> None:
+    def answer(each: ServiceRequest) -> None:
         try:
             each.answer(b"\0\0\0\0\1")
         except RosError as error:

@@ -17,7 +17,7 @@ from gateway.sources.rclpy.interfaces import service_class
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.rclpy_private import RESPONSE_TIMED_OUT
 from gateway.sources.rclpy.service_entities import RclpyClient
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from gateway.sources.source import MAX_TAKES_PER_TURN, RosError
 from tests.client import eventually
 from tests.sources.outside import Outside
@@ -46,7 +46,7 @@ def calls_of(client: RclpyClient) -> int:
 
 
 async def test_calls_leave_nothing_behind(ros: RclpyRos, outside: Outside) -> None:
-    def answer_some(each: Request) -> None:
+    def answer_some(each: ServiceRequest) -> None:
         if each.cdr[4]:
             echo(each)
 
@@ -66,7 +66,7 @@ async def test_calls_leave_nothing_behind(ros: RclpyRos, outside: Outside) -> No
 async def test_a_call_that_is_cancelled_while_it_waits_is_never_sent(
     ros: RclpyRos, outside: Outside
 ) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     client = ros.client("/arm", SET_BOOL)
     first = asyncio.ensure_future(client.call(request(False)))
     second = asyncio.ensure_future(client.call(request(True)))
@@ -83,7 +83,7 @@ async def test_requests_beyond_what_a_server_keeps_wait_here(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_IN_FLIGHT)]
@@ -108,7 +108,7 @@ async def test_a_server_that_never_answers_keeps_no_request_waiting(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(endpoints, "PACING_S", 0.01)
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)  # not as fast as that
     client = ros.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_IN_FLIGHT)]
@@ -127,7 +127,7 @@ async def test_a_service_of_this_process_gets_its_requests_at_once(
     ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     ros.serve("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_IN_FLIGHT)]
@@ -141,7 +141,7 @@ async def test_a_request_that_is_cancelled_in_the_turn_that_makes_room_is_never_
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_IN_FLIGHT)]
@@ -158,7 +158,7 @@ async def test_a_request_that_is_cancelled_in_the_turn_that_makes_room_is_never_
 
 
 async def test_an_answer_to_a_client_that_has_gone_is_lost(ros: RclpyRos, outside: Outside) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     ros.serve("/arm", SET_BOOL, requests.append)
     client = outside.add_client("/arm", SET_BOOL)
     await eventually(client._client.service_is_ready)
@@ -169,7 +169,7 @@ async def test_an_answer_to_a_client_that_has_gone_is_lost(ros: RclpyRos, outsid
     assert text_of(await ask_anew(ros, requests)) == "better"
 
 
-async def ask_anew(ros: RclpyRos, requests: list[Request]) -> bytes:
+async def ask_anew(ros: RclpyRos, requests: list[ServiceRequest]) -> bytes:
     calling = asyncio.ensure_future(ros.client("/arm", SET_BOOL).call(request(True)))
     await eventually(lambda: len(requests) == 2)
     requests[1].answer(response("better"))
@@ -180,7 +180,7 @@ async def ask_anew(ros: RclpyRos, requests: list[Request]) -> bytes:
 async def test_a_call_fails_with_its_server_though_another_has_come(
     ros: RclpyRos, outside: Outside, successor: Outside
 ) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     server = outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
@@ -199,7 +199,7 @@ async def test_a_call_fails_with_its_server_though_another_has_come(
 async def test_a_call_outlives_a_moment_in_which_its_service_is_unready(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
@@ -214,7 +214,7 @@ async def test_a_call_outlives_a_moment_in_which_its_service_is_unready(
 async def test_a_call_whose_server_nobody_could_tell_fails_when_its_service_is_unready(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     server = outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
     monkeypatch.setattr(Requester, "_find_servers", lambda self: frozenset())
@@ -230,7 +230,7 @@ async def test_a_call_whose_server_nobody_could_tell_fails_when_its_service_is_u
 async def test_a_server_that_has_come_before_word_of_it_keeps_its_calls(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     server = outside.add_service("/arm", SET_BOOL, echo)
     client = ros.client("/arm", SET_BOOL)
     await soon(client.call(request(True)))
@@ -248,7 +248,7 @@ async def test_a_server_that_has_come_before_word_of_it_keeps_its_calls(
 
 @pytest.mark.parametrize("cdr", [b"", b"\0\1\0\0", b"x"])
 async def test_cdr_of_another_type_is_refused(ros: RclpyRos, cdr: bytes) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     ros.serve("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
     with pytest.raises(RosError, match="service /arm: failed to deserialize"):
@@ -266,7 +266,7 @@ async def test_an_exception_in_a_callback_does_not_delay_other_requests(ros: Rcl
     loop = asyncio.get_running_loop()
     loop.set_exception_handler(lambda _, context: raised.append(context["exception"]))
 
-    def on_request(each: Request) -> None:
+    def on_request(each: ServiceRequest) -> None:
         if not each.cdr[4]:
             raise LookupError
         echo(each)
@@ -281,9 +281,9 @@ async def test_an_exception_in_a_callback_does_not_delay_other_requests(ros: Rcl
 
 
 async def test_a_service_may_be_closed_by_its_own_callback(ros: RclpyRos) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
 
-    def on_request(each: Request) -> None:
+    def on_request(each: ServiceRequest) -> None:
         requests.append(each)
         each.answer(response("last"))
         service.close()
@@ -326,7 +326,7 @@ async def test_requests_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos)
 
 
 async def test_responses_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     ros.serve("/arm", SET_BOOL, requests.append)
     client: Any = ros.client("/arm", SET_BOOL)
     requester = client._requester
@@ -356,7 +356,7 @@ async def test_32_responses_are_taken_in_a_turn_then_others_have_theirs(ros: Rcl
 
 
 async def test_more_responses_at_once_than_are_taken_in_a_turn_all_arrive(ros: RclpyRos) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     ros.serve("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(100)]
@@ -367,7 +367,7 @@ async def test_more_responses_at_once_than_are_taken_in_a_turn_all_arrive(ros: R
 
 
 async def test_an_answer_that_is_there_when_its_server_goes_counts(ros: RclpyRos) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     service = ros.serve("/arm", SET_BOOL, requests.append)
     client: Any = ros.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
@@ -397,7 +397,7 @@ async def test_a_server_is_found_though_nothing_tells_of_it(
 async def test_a_response_that_came_before_dds_had_matched_the_client_is_sent_again(
     ros: RclpyRos, outside: Outside
 ) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     service = ros.serve("/arm", SET_BOOL, requests.append)
     replier: Any = service._replier
     send, sent = replier._send_response, []
@@ -428,7 +428,7 @@ async def test_a_response_that_came_before_dds_had_matched_the_client_is_sent_ag
 async def test_a_service_that_has_become_silent_sends_what_it_owes(
     ros: RclpyRos, outside: Outside
 ) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     replier = ros.serve("/arm", SET_BOOL, requests.append)._replier
     send, in_vain = replier._send_response, [None] * MAX_STALLS
 
@@ -466,7 +466,7 @@ async def test_a_client_that_no_response_can_reach_is_told_of(
 async def test_a_client_that_no_response_can_reach_stops_the_loop_only_so_often(
     ros: RclpyRos, outside: Outside, caplog: pytest.LogCaptureFixture
 ) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     service = ros.serve("/arm", SET_BOOL, requests.append)
     found = service_class(SET_BOOL)
     profile = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -502,7 +502,7 @@ async def test_a_closed_entity_leaves_the_callback_group_of_its_node(ros: RclpyR
 async def test_a_silent_server_gets_one_more_request_after_a_second(
     ros: RclpyRos, outside: Outside
 ) -> None:
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)
     client = ros.client("/arm", SET_BOOL)
     loop = asyncio.get_running_loop()
@@ -517,7 +517,7 @@ async def test_a_silent_server_gets_one_more_request_at_a_time(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(endpoints, "PACING_S", 0.3)
-    requests: list[Request] = []
+    requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)
     client = ros.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(3 * MAX_IN_FLIGHT)]

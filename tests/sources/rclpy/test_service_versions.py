@@ -11,7 +11,7 @@ import pytest
 
 from gateway.sources.rclpy import RosOptions, type_supports
 from gateway.sources.rclpy.port import RclpyRos
-from gateway.sources.services import Request
+from gateway.sources.services import ServiceRequest
 from gateway.sources.source import RosError
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from tests.client import eventually
@@ -70,7 +70,7 @@ async def test_a_server_with_another_definition_is_not_called(
     ros = gateway(text)
     asked: list[Any] = []
 
-    def answer(each: Request) -> None:
+    def answer(each: ServiceRequest) -> None:
         asked.append(each)
         echo(each)
 
