@@ -112,11 +112,11 @@ class CommandTopic:
             RosError: ROS refuses it.
         """
         self.prepare(message_type.name)
-        self._publisher = self._ros.publishing.advertise(
+        publisher = self._ros.publishing.advertise(
             self.name, message_type.name, COMMAND_QOS, self._on_event
         )
-        self.message_type = message_type
-        self._look_for_readers()
+        self._look_for_readers()  # before it is open: nobody drives yet, so a stop would close it
+        self._publisher, self.message_type = publisher, message_type
 
     def _on_event(self, event: TopicEvent) -> None:
         """Log a subscription that no command reaches, and warn the clients that drive."""

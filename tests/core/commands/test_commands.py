@@ -190,6 +190,21 @@ async def test_a_driver_hears_of_a_robot_that_no_command_reaches(scene: Scene):
     assert text.endswith("publish std_msgs/msg/String")
 
 
+async def test_a_robot_may_join_while_its_topic_is_opened(scene: Scene, monkeypatch):
+    scene.listen()
+    advertise = scene.ros.advertise
+
+    def joined(*given: Any) -> Any:
+        scene.listen()
+        return advertise(*given)
+
+    monkeypatch.setattr(scene.ros, "advertise", joined)
+    client = scene.client()
+    push(client)
+    assert scene.guard.verbs[:2] == ["open", "open"]
+    assert len(scene.ros.publishers) == 1
+
+
 async def test_the_guard_hears_of_a_command_before_it_goes_out(scene: Scene):
     client = scene.client()
     client.send(op="advertise", topic="/cmd_vel", type=TWIST)
