@@ -28,6 +28,7 @@ pytestmark = pytest.mark.parts("publishing", "diagnosis")
 
 STRING = "std_msgs/msg/String"
 INT32 = "std_msgs/msg/Int32"
+TOPICS = ("/count", "/cmd_vel")  # commands have another participant
 LATCHED = Qos(durability="transient_local", depth=5)
 BEST_EFFORT = Qos(reliability="best_effort")
 BAD_NAMES = [
@@ -302,37 +303,46 @@ async def test_a_publisher_hears_of_subscriptions_that_get_nothing_once(robot: R
     second.close()
 
 
-async def test_a_publisher_hears_of_subscriptions_to_another_type(robot: Robot) -> None:
-    robot.world.add_subscription("/count", STRING, lambda _: None)
-    await eventually(lambda: robot.ros.topic_types("/count") == (STRING,))
-    reasons, _ = advertise(robot, "/count", Qos())
+@pytest.mark.parametrize("topic", TOPICS)
+async def test_a_publisher_hears_of_subscriptions_to_another_type(robot: Robot, topic: str) -> None:
+    robot.world.add_subscription(topic, STRING, lambda _: None)
+    await eventually(lambda: robot.ros.topic_types(topic) == (STRING,))
+    reasons, _ = advertise(robot, topic, Qos())
     await eventually(lambda: bool(reasons))
     assert reasons[0].code == "type_conflict"
-    assert reasons[0].problem.startswith("topic /count: /outside subscribes to std_msgs/msg/String")
+    assert reasons[0].problem.startswith(
+        f"topic {topic}: /outside subscribes to std_msgs/msg/String"
+    )
 
 
-async def test_a_subscriber_in_the_place_of_another_has_another_id(robot: Robot) -> None:
-    _, publisher = advertise(robot, "/count", Qos())
+@pytest.mark.parametrize("topic", TOPICS)
+async def test_a_subscriber_in_the_place_of_another_has_another_id(
+    robot: Robot, topic: str
+) -> None:
+    _, publisher = advertise(robot, topic, Qos())
     assert publisher.new_matches() == 0
     found: list[frozenset[str]] = []
     for _ in range(2):
-        subscription = robot.world.add_subscription("/count", INT32, lambda _: None)
+        subscription = robot.world.add_subscription(topic, INT32, lambda _: None)
         await eventually(lambda: publisher.new_matches() == 1)
         found.append(
-            robot.ros.publishing.readers("/count")
+            robot.ros.publishing.readers(topic)
         )  # at once: the graph need not have reported it
         assert [len(each) for each in found] == [1] * len(found)
         robot.world.remove_subscription(subscription)
-        await eventually(lambda: robot.ros.publishing.readers("/count") == frozenset())
+        await eventually(lambda: robot.ros.publishing.readers(topic) == frozenset())
     assert found[0] != found[1]
     assert publisher.new_matches() == 0
 
 
-async def test_the_gateways_own_subscriptions_are_nobody_who_joins(robot: Robot) -> None:
-    _, publisher = advertise(robot, "/count", Qos())
-    subscribe(robot, "/count")
+@pytest.mark.parametrize("topic", TOPICS)
+async def test_the_gateways_own_subscriptions_are_nobody_who_joins(
+    robot: Robot, topic: str
+) -> None:
+    _, publisher = advertise(robot, topic, Qos())
+    subscribe(robot, topic)
     await eventually(lambda: publisher.new_matches() == 1)
-    assert robot.ros.publishing.readers("/count") == frozenset()
+    assert robot.ros.publishing.readers(topic) == frozenset()
 
 
 async def test_no_subscription_is_told_of_after_close(robot: Robot) -> None:
@@ -564,23 +574,25 @@ async def test_the_types_of_a_topic_appear_and_vanish_with_it(robot: Robot) -> N
     await eventually(lambda: robot.ros.topic_types("/count") == ())
 
 
-async def test_the_type_of_an_own_new_publisher_is_known_at_once(robot: Robot) -> None:
-    robot.world.add_subscription("/count", INT32, lambda _: None)
-    await eventually(lambda: robot.ros.topic_types("/count") == (INT32,))
-    robot.ros.publishing.advertise("/count", STRING, Qos(), lambda _: None)
-    assert robot.ros.topic_types("/count") == (STRING,)
+@pytest.mark.parametrize("topic", TOPICS)
+async def test_the_type_of_an_own_new_publisher_is_known_at_once(robot: Robot, topic: str) -> None:
+    robot.world.add_subscription(topic, INT32, lambda _: None)
+    await eventually(lambda: robot.ros.topic_types(topic) == (INT32,))
+    robot.ros.advertise(topic, STRING, Qos(), lambda _: None)
+    assert robot.ros.topic_types(topic) == (STRING,)
 
 
-async def test_the_graph_lists_endpoints_by_node_our_own_included(robot: Robot) -> None:
-    robot.world.add_publisher("/count", INT32)
-    robot.world.add_publisher("/count", INT32)
-    robot.ros.publishing.advertise("/count", INT32, Qos(), lambda _: None)
-    subscribe(robot, "/count")
+@pytest.mark.parametrize("topic", TOPICS)
+async def test_the_graph_lists_endpoints_by_node_our_own_included(robot: Robot, topic: str) -> None:
+    robot.world.add_publisher(topic, INT32)
+    robot.world.add_publisher(topic, INT32)
+    robot.ros.advertise(topic, INT32, Qos(), lambda _: None)
+    subscribe(robot, topic)
     publishing = ("/outside", "/outside", "/ros2_gateway_publishers")
-    await eventually_equal(lambda: nodes_publishing(robot, "/count"), publishing)
-    topic = next(t for t in robot.ros.graph().topics if t.name == "/count")
-    assert topic.types == (INT32,)
-    assert topic.subscribers == ("/ros2_gateway_subscriptions",)
+    await eventually_equal(lambda: nodes_publishing(robot, topic), publishing)
+    info = next(t for t in robot.ros.graph().topics if t.name == topic)
+    assert info.types == (INT32,)
+    assert info.subscribers == ("/ros2_gateway_subscriptions",)
     ours = ("debug", "publishers", "services", "subscriptions")
     expected = ("/outside", *(f"/ros2_gateway_{each}" for each in ours))
     await eventually_equal(lambda: robot.ros.graph().nodes, expected)

@@ -23,8 +23,10 @@ _OF_2: Final = (
 _GATEWAYS: Final = Path(__file__).with_name("fastdds2_profile.xml")
 # A generation refuses a whole file for one word of the other's.
 _GATEWAYS_OF_3: Final = Path(__file__).with_name("fastdds3_profile.xml")
-QUIET: Final = Path(__file__).with_name("fastdds_quiet_profile.xml")
-"""A profile for both generations, with which nothing is reported."""
+# of `eprosima::fastdds::dds::Log`, in both generations
+_CLEAR_CONSUMERS: Final = "_ZN8eprosima7fastdds3dds3Log14ClearConsumersEv"
+_FLUSH: Final = "_ZN8eprosima7fastdds3dds3Log5FlushEv"
+_RESET: Final = "_ZN8eprosima7fastdds3dds3Log5ResetEv"
 
 
 @contextlib.contextmanager
@@ -44,6 +46,29 @@ def profile(path: Path = _GATEWAYS, path_of_3: Path = _GATEWAYS_OF_3) -> Iterato
         yield
     finally:
         os.environ.pop(name, None)
+
+
+@contextlib.contextmanager
+def silence() -> Iterator[None]:
+    """Keep Fast DDS from reporting anything, unless the environment names a profile.
+
+    That may say where it reports, which nothing here could restore. So enter this before `profile`.
+    """
+    if any(name in os.environ for name in _VARIABLES):
+        yield
+        return
+    try:
+        library = ctypes.CDLL(_RMW)
+        clear, flush, reset = (library[name] for name in (_CLEAR_CONSUMERS, _FLUSH, _RESET))
+    except (OSError, AttributeError):  # rmw uses something else
+        yield
+        return
+    clear()
+    try:
+        yield
+    finally:
+        flush()  # it reports by a thread
+        reset()
 
 
 def forget_error() -> None:

@@ -11,7 +11,7 @@ import contextlib
 import logging
 import threading
 from collections import defaultdict
-from collections.abc import Callable, Container, Iterable
+from collections.abc import Callable, Container, Iterable, Mapping
 from time import perf_counter
 from typing import Any, Final
 
@@ -35,6 +35,7 @@ MAX_SETTLE_S: Final = 1.0
 # 100 topics take about 1.5 ms to look at: 0.3 % of a core
 POLL_S: Final = 0.5
 
+_PARTICIPANT_DIGITS: Final = 24
 _BEHIND_ACTION: Final = "/_action/"  # in the names of an action's topics and services
 _SEND_GOAL: Final = f"{_BEHIND_ACTION}send_goal"  # behind the name of an action, and of its type
 _SEND_GOAL_TYPE: Final = "_SendGoal"
@@ -42,24 +43,22 @@ _SEND_GOAL_TYPE: Final = "_SendGoal"
 _logger = logging.getLogger(__name__)
 
 
-def read_graph(node: Node, hidden: str = "") -> Graph:
+def read_graph(node: Node, hidden: Mapping[str, str]) -> Graph:
     """Return the whole graph. 40 us a topic and direction, so keep it until it changes.
 
-    The publishers of the node *hidden* are left out, and so is the node.
+    The nodes *hidden* are left out. Each has a node that has its publishers instead, or none.
     """
     topics = tuple(
         TopicInfo(
             name,
             tuple(sorted(types)),
-            publishers=tuple(
-                each for each in _nodes(node.get_publishers_info_by_topic(name)) if each != hidden
-            ),
+            publishers=_shown(node.get_publishers_info_by_topic(name), hidden),
             subscribers=_nodes(node.get_subscriptions_info_by_topic(name)),
         )
         for name, types in sorted(node.get_topic_names_and_types())
         if _BEHIND_ACTION not in name
     )
-    shown = tuple(sorted(each for each in read_nodes(node) if each != hidden))
+    shown = tuple(sorted(each for each in read_nodes(node) if each not in hidden))
     return Graph(topics, shown, read_services(node), read_actions(node))
 
 
@@ -102,13 +101,13 @@ def read_actions(node: Node) -> tuple[ServerInfo, ...]:
 
 
 def read_types(
-    node: Node, topic: str, own_nodes: Container[str], hidden: str = ""
+    node: Node, topic: str, own_nodes: Container[str], hidden: str, publishing: Node
 ) -> tuple[str, ...]:
     """Return the types of a topic as `gateway.sources.source.Source.topic_types` describes it.
 
-    The node *hidden* does not count.
+    The node *hidden* does not count. *publishing* has the gateway's own publishers of the topic.
     """
-    publishers = node.get_publishers_info_by_topic(topic)
+    publishers = publishing.get_publishers_info_by_topic(topic)
     endpoints = [each for each in publishers if endpoint_node(each) != hidden]
     if not endpoints:
         subscribers = node.get_subscriptions_info_by_topic(topic)
@@ -122,11 +121,28 @@ def read_offers(node: Node, topic: str) -> list[Endpoint]:
     return [to_endpoint(publisher) for publisher in node.get_publishers_info_by_topic(topic)]
 
 
-def read_readers(node: Node, topic: str, without: Container[str] = ()) -> frozenset[str]:
-    """Return the ids of the subscriptions to a topic, except those of some nodes."""
-    infos = node.get_subscriptions_info_by_topic(topic)
+def read_participants(node: Node, nodes: Container[str]) -> frozenset[str]:
+    """Return the beginning that the ids of all endpoints of some nodes have in common.
+
+    By it they are known before their names are, where discovery has just begun.
+    """
+    infos = node.get_publishers_info_by_topic("/parameter_events")  # which each node has
+    found = (_id(each) for each in infos if endpoint_node(each) in nodes)
+    return frozenset(each[:_PARTICIPANT_DIGITS] for each in found)
+
+
+def read_readers(
+    node: Node,
+    topic: str,
+    own_nodes: Container[str] = (),
+    own_participants: Container[str] = (),
+) -> frozenset[str]:
+    """Return the ids of the subscriptions to a topic, except the gateway's own."""
     return frozenset(
-        bytes(each.endpoint_gid).hex() for each in infos if endpoint_node(each) not in without
+        _id(each)
+        for each in node.get_subscriptions_info_by_topic(topic)
+        if endpoint_node(each) not in own_nodes
+        and _id(each)[:_PARTICIPANT_DIGITS] not in own_participants
     )
 
 
@@ -234,6 +250,14 @@ class GraphChanges:
 
 def _nodes(endpoints: list[Any]) -> tuple[str, ...]:
     return tuple(sorted(endpoint_node(endpoint) for endpoint in endpoints))
+
+
+def _shown(publishers: list[Any], hidden: Mapping[str, str]) -> tuple[str, ...]:
+    return tuple(sorted(filter(None, (hidden.get(each, each) for each in _nodes(publishers)))))
+
+
+def _id(endpoint: Any) -> str:
+    return bytes(endpoint.endpoint_gid).hex()
 
 
 def _provided(

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The operator's options for the gateway's part in ROS."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -27,6 +28,13 @@ class RosOptions:
     def guard_node(self) -> str:
         """The full name of the guard process' node. ROS hides such names: it has an underscore."""
         return f"{self.namespace.rstrip('/')}/_{self.node_prefix}_guard"
+
+    @property
+    def hidden_nodes(self) -> Mapping[str, str]:
+        """The nodes that clients do not see. Each has one with its publishers instead, or none."""
+        before = f"{self.namespace.rstrip('/')}/"
+        prefix = self.node_prefix
+        return {self.guard_node: "", f"{before}_{prefix}_commands": f"{before}{prefix}_publishers"}
 
 
 def check_room(open_entities: int, options: RosOptions, *, is_reserved: bool) -> None:

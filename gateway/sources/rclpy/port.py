@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The gateway's four nodes, and the port on top of them."""
+"""The gateway's nodes, and the port on top of them."""
 
 import asyncio
 import contextlib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Final, Self, assert_never
 
 from rclpy.node import Node
@@ -12,7 +13,7 @@ from rclpy.node import Node
 from gateway.faults import Fault
 from gateway.guard.supervisor import GuardProcess
 from gateway.sources.actions import GoalRequest
-from gateway.sources.rclpy import fast_dds, rclpy_private
+from gateway.sources.rclpy import rclpy_private
 from gateway.sources.rclpy.action_client import RclpyActionClient
 from gateway.sources.rclpy.action_entities import RclpyActions
 from gateway.sources.rclpy.action_server import RclpyActionServer
@@ -32,17 +33,16 @@ from gateway.sources.rclpy.graph import (
     read_types,
 )
 from gateway.sources.rclpy.message_classes import MessageClasses
-from gateway.sources.rclpy.nodes import open_context, open_node
-from gateway.sources.rclpy.options import RosOptions, Taking, check_room
+from gateway.sources.rclpy.nodes import Nodes
+from gateway.sources.rclpy.options import RosOptions, check_room
 from gateway.sources.rclpy.publishers import Publishers, RclpyPublisher
 from gateway.sources.rclpy.qos_events import QosEvents
 from gateway.sources.rclpy.raw_subscriptions import RawSubscription, RawSubscriptions
-from gateway.sources.rclpy.ready_events import EventfdReadyEvents, ReadyEvents, UnsupportedError
 from gateway.sources.rclpy.same_names import SameNames
 from gateway.sources.rclpy.samples import Samples
 from gateway.sources.rclpy.service_entities import RclpyClient, RclpyService, RclpyServices
 from gateway.sources.rclpy.time_jumps import JumpWatch
-from gateway.sources.rclpy.wait_set_events import WaitSetReadyEvents
+from gateway.sources.rclpy.wait_set_events import WaitSetReadyEvents, open_ready_events
 from gateway.sources.rclpy.watches import GraphWatch, GraphWatches
 from gateway.sources.services import ServiceRequest
 from gateway.sources.source import (
@@ -63,8 +63,9 @@ class RclpyRos:
     """ROS 2 as `gateway.sources.source.Ros` describes it, on the running event loop.
 
     The nodes are ``PREFIX_subscriptions``, ``PREFIX_publishers`` and ``PREFIX_services``, which
-    nothing spins, and ``PREFIX_debug``, which has the parameters, the clock and ``/rosout``. Their
-    context is their own and installs no signal handlers: rclpy's would end it before the gateway
+    nothing spins, and ``PREFIX_debug``, which has the parameters, the clock and ``/rosout``. With
+    Fast DDS, ``_PREFIX_commands`` publishes on the command topics: see `Nodes`. Their
+    contexts are their own and install no signal handlers: rclpy's would end them before the gateway
     has closed its connections.
     """
 
@@ -89,42 +90,34 @@ class RclpyRos:
         self._action_types: dict[str, tuple[str, ...]] | None = None
         with contextlib.ExitStack() as undo:
             try:
-                with fast_dds.profile():
-                    context = open_context(options, undo)
-                    subscribing = open_node(context, options, "subscriptions", undo)
-                    publishing = open_node(context, options, "publishers", undo)
-                    serving = open_node(context, options, "services", undo)
-                    self._debug = open_node(context, options, "debug", undo)
+                self._nodes = nodes = Nodes(options, undo)
             except REFUSALS as error:
                 raise refused("starting ROS", error) from error
+            self._debug = nodes.debug
             # ROS time in nanoseconds
             self.now_ns: Callable[[], int] = rclpy_private.clock_reader(self._debug.get_clock())
-            self._ready_events = _open_ready_events(options.taking, subscribing, loop, undo)
+            self._ready_events = open_ready_events(options.taking, nodes.subscribing, loop, undo)
             self._executor = ExecutorThread(
                 # the other one needs the same of the middleware as the eventfd
-                context,
+                nodes.debug.context,
                 standard=isinstance(self._ready_events, WaitSetReadyEvents),
             )
             undo.callback(self._executor.close)
             self._executor.add_node(self._debug)
-            self._own_nodes = frozenset(
-                node.get_fully_qualified_name()
-                for node in (subscribing, publishing, serving, self._debug)
-            )
             samples = undo.enter_context(
-                contextlib.closing(Samples(subscribing, self._ready_events))
+                contextlib.closing(Samples(nodes.subscribing, self._ready_events))
             )
             events = QosEvents(loop)
             self._subscriptions = RawSubscriptions(
-                subscribing, samples, events, loop, self._topics_changed, self._classes
+                nodes.subscribing, samples, events, loop, self._topics_changed, self._classes
             )
             undo.callback(self._subscriptions.close)
             self._deferred = DeferredDestruction(loop)
             undo.callback(self._deferred.close)
-            self._publishers, self._own_publishers = (
-                self._open_publishers(node, events, undo) for node in (publishing, self._debug)
-            )
-            endpoints = Endpoints(serving, self._ready_events, loop)
+            open_publishers = partial(self._open_publishers, events, undo)
+            self._publishers = open_publishers(nodes.publishing, nodes.publishing_on)
+            self._own_publishers = open_publishers(self._debug, lambda _: self._debug)
+            endpoints = Endpoints(nodes.serving, self._ready_events, loop)
             self._services = RclpyServices(
                 endpoints, self._deferred, self._services_changed, self._classes
             )
@@ -139,8 +132,14 @@ class RclpyRos:
             )
             undo.callback(self._actions.close)
             self._watches = self._open_watches(loop, undo)
-            self._changes = GraphChanges(self._debug, loop, self._graph_changed)
-            undo.callback(self._changes.close)
+            self._changes = [
+                undo.enter_context(contextlib.closing(GraphChanges(node, loop, on_change)))
+                for node, on_change in (
+                    (nodes.debug, self._graph_changed),
+                    (nodes.commanding, self._command_topics_changed),
+                )
+                if node is not nodes.publishing
+            ]
             self._undo = undo.pop_all()
         self._is_closed = False
 
@@ -230,18 +229,21 @@ class RclpyRos:
 
     def type_holders(self, topic: str, type_name: str) -> tuple[TypeHolder, ...]:
         """Return the nodes that have a type. See the port."""
-        own = self._own_nodes | {self._options.guard_node}
+        own = self._nodes.own | {self._options.guard_node}
         return read_holders(self._debug, topic, type_name, own)
 
     def readers(self, topic: str) -> frozenset[str]:
         """Return the ids of other nodes' subscriptions, as they are known now. See the port."""
-        return read_readers(self._debug, topic, self._own_nodes)
+        nodes = self._nodes
+        return read_readers(nodes.publishing_on(topic), topic, nodes.own, nodes.own_participants)
 
     def topic_types(self, topic: str) -> tuple[str, ...]:
         """Return the types of a topic. See the port. Kept until the graph changes."""
         known = self._types.get(topic)
         if known is None:
-            known = read_types(self._debug, topic, self._own_nodes, self._options.guard_node)
+            nodes, guard = self._nodes, self._options.guard_node
+            publishing = nodes.publishing_on(topic)
+            known = read_types(nodes.debug, topic, nodes.own, guard, publishing)
             if known:  # clients may name any number of topics that do not exist
                 self._types[topic] = known
         return known
@@ -264,7 +266,7 @@ class RclpyRos:
     def graph(self) -> Graph:
         """Return the graph as it is known now. Kept until it changes."""
         if self._graph is None:
-            graph = read_graph(self._debug, self._options.guard_node)
+            graph = read_graph(self._debug, self._options.hidden_nodes)
             self._graph = replace(
                 graph,
                 services=self._services_here(graph.services),
@@ -304,7 +306,7 @@ class RclpyRos:
             return (Fault("dead", "ROS has shut down below the gateway: it must be restarted"),)
         guarding = () if self.guard is None else self.guard.faults()
         faults = [*self._executor.faults(), *self._ready_events.faults(), *guarding]
-        if not self._changes.is_alive:
+        if not all(each.is_alive for each in self._changes):
             faults.append(Fault("dead", "the thread that follows the ROS graph has ended"))
         return faults
 
@@ -318,10 +320,20 @@ class RclpyRos:
         return sum(len(part) for part in parts)
 
     def _open_publishers(
-        self, node: Node, events: QosEvents, undo: contextlib.ExitStack
+        self,
+        events: QosEvents,
+        undo: contextlib.ExitStack,
+        node: Node,
+        node_for: Callable[[str], Node],
     ) -> Publishers:
         publishers = Publishers(
-            node, self._deferred, self._topics_changed, self._own_nodes, events, self._classes
+            node,
+            node_for,
+            self._deferred,
+            self._topics_changed,
+            self._nodes.own,
+            events,
+            self._classes,
         )
         undo.callback(publishers.close)
         return publishers
@@ -331,7 +343,7 @@ class RclpyRos:
     ) -> GraphWatches:
         watches = GraphWatches(loop)
         undo.callback(watches.close)
-        self._same_names = SameNames(loop, lambda: read_nodes(self._debug), self._own_nodes)
+        self._same_names = SameNames(loop, lambda: read_nodes(self._debug), self._nodes.own)
         undo.callback(self._same_names.close)
         watches.add(self._same_names.look)
         return watches
@@ -378,7 +390,7 @@ class RclpyRos:
         return tuple(
             known[name]
             for name in sorted(known)
-            if not (set(known[name].nodes) <= self._own_nodes)
+            if not (set(known[name].nodes) <= self._nodes.own)
             or not self._deferred.is_deferred(f"{kind} {name}")
         )
 
@@ -394,6 +406,10 @@ class RclpyRos:
         self._services_changed()
         self._action_types = None
 
+    def _command_topics_changed(self) -> None:
+        self._types.clear()
+        self._watches.notify()
+
     def _graph_changed(self) -> None:
         self._topics_changed()
         self._actions_changed()
@@ -402,20 +418,3 @@ class RclpyRos:
         self._services.follow_graph()
         self._actions.follow_graph()
         self._watches.notify()
-
-
-def _open_ready_events(
-    taking: Taking, node: Node, loop: asyncio.AbstractEventLoop, undo: contextlib.ExitStack
-) -> ReadyEvents:
-    if taking != "wait_set":
-        try:
-            events = EventfdReadyEvents(loop)
-            events.check(node)
-        except UnsupportedError:
-            if taking == "eventfd":
-                raise
-        else:
-            return events
-    waiting = WaitSetReadyEvents(node.context, loop)
-    undo.callback(waiting.close)
-    return waiting

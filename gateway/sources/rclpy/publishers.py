@@ -46,11 +46,15 @@ class _Shared:
 
 
 class Publishers:
-    """The publishers of one node. Subscriptions of *own_nodes* need no explanations."""
+    """The publishers of a node. Subscriptions of *own_nodes* need no explanations.
+
+    *node_for* returns the node that publishes on a topic. It is another one for command topics.
+    """
 
     def __init__(
         self,
         node: Node,
+        node_for: Callable[[str], Node],
         deferred: DeferredDestruction,
         on_change: Callable[[], None],
         own_nodes: Container[str],
@@ -58,6 +62,7 @@ class Publishers:
         classes: MessageClasses,
     ) -> None:
         self._node = node
+        self._node_for = node_for
         self._classes = classes
         self._own_nodes = own_nodes
         self._events = events
@@ -159,7 +164,7 @@ class Publishers:
             if shared.matches is not None:
                 shared.matches[1]()
             del self._shared[key]
-            self._node.destroy_publisher(shared.publisher)
+            self._node_for(key.topic).destroy_publisher(shared.publisher)
             self._on_change()
 
         if shared.has_published:
@@ -178,8 +183,9 @@ class Publishers:
 
     def _create(self, key: _Key) -> Any:
         found = self._classes.get(key.type_name)
+        node = self._node_for(key.topic)
         with creation(f"topic {key.topic}"):
-            publisher = self._node.create_publisher(
+            publisher = node.create_publisher(
                 found,
                 key.topic,
                 to_profile(key.qos),
@@ -188,7 +194,7 @@ class Publishers:
             )
         given = publisher.topic_name
         if given != key.topic:
-            self._node.destroy_publisher(publisher)
+            node.destroy_publisher(publisher)
             raise remapped(f"topic {key.topic}", given)
         self._on_change()
         return publisher

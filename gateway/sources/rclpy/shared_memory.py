@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Final
 
 from gateway.log_fields import counted
+from gateway.sources.rclpy import fast_dds
 from gateway.sources.source import RosError
 
 FOLDER: Final = Path("/dev/shm")  # noqa: S108  # where POSIX' shm_open puts it on Linux
@@ -57,14 +58,16 @@ def without_shared_memory() -> Iterator[None]:
     """Keep Fast DDS from creating shared memory for the participants of this context.
 
     They send and receive only by UDP. A profile cannot say so, because rmw chooses the transports
-    itself for the discovery range LOCALHOST. In this context the process cannot write to files.
+    itself for the discovery range LOCALHOST. In this context the process cannot write to files: the
+    log waits in its buffer. Python ignores SIGXFSZ. Enter it before `fast_dds.profile`.
     """
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with fast_dds.silence():  # it reports as an error that there is no shared memory
+        resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 def check_room(folder: Path = FOLDER) -> None:

@@ -12,7 +12,6 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from gateway.sources.rclpy import fast_dds
 from gateway.sources.rclpy.errors import REFUSALS, refused, remapped
 from gateway.sources.rclpy.groups import group_of_one
 from gateway.sources.rclpy.interfaces import message_class
@@ -29,7 +28,7 @@ class StandAlone:
 
     def __init__(self, name: str, namespace: str, domain_id: int | None) -> None:
         self._context = Context()
-        with fast_dds.profile(fast_dds.QUIET, fast_dds.QUIET), without_shared_memory():
+        with without_shared_memory():
             arguments = ["--ros-args", "--disable-stdout-logs", "--disable-external-lib-logs"]
             self._context.init(args=arguments, domain_id=domain_id)
             self._node = Node(

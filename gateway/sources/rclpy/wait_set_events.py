@@ -7,6 +7,7 @@ latency than that.
 """
 
 import asyncio
+import contextlib
 import logging
 import threading
 from collections import deque
@@ -14,10 +15,13 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from rclpy.context import Context
+from rclpy.node import Node
 
 from gateway.faults import Fault
 from gateway.sources.rclpy.errors import REFUSALS
+from gateway.sources.rclpy.options import Taking
 from gateway.sources.rclpy.rclpy_private import EntityWaitSet, Kind
+from gateway.sources.rclpy.ready_events import EventfdReadyEvents, ReadyEvents, UnsupportedError
 
 # After a failure that may come back at once, of waiting and of handling: neither may fill the log.
 WAIT_PAUSE_S: Final = 1.0
@@ -182,3 +186,21 @@ class WaitSetSource:
         if self._next is not None:
             self._next.cancel()
             self._next = None
+
+
+def open_ready_events(
+    taking: Taking, node: Node, loop: asyncio.AbstractEventLoop, undo: contextlib.ExitStack
+) -> ReadyEvents:
+    """Return events by an eventfd, or by a thread where that is asked for or nothing else works."""
+    if taking != "wait_set":
+        try:
+            events = EventfdReadyEvents(loop)
+            events.check(node)
+        except UnsupportedError:
+            if taking == "eventfd":
+                raise
+        else:
+            return events
+    waiting = WaitSetReadyEvents(node.context, loop)
+    undo.callback(waiting.close)
+    return waiting

@@ -29,11 +29,20 @@ def is_running(pid: int) -> bool:
 
 def segments_of(pid: int) -> set[str]:
     """Return the shared memory that a process has locked as its own."""
+    return {name for name in _shared(pid) if "port" not in name}
+
+
+def ports_of(pid: int) -> set[str]:
+    """Return the shared memory through which others reach a process."""
+    return _shared(pid) - segments_of(pid)
+
+
+def _shared(pid: int) -> set[str]:
     names = set()
     for descriptor in Path(f"/proc/{pid}/fd").iterdir():
         with contextlib.suppress(OSError):
             target = descriptor.readlink()
-            if target.parent == SHARED_MEMORY and "port" not in target.name:
+            if target.parent == SHARED_MEMORY and target.name.endswith("_el"):
                 names.add(target.name.removesuffix("_el"))
     return names
 

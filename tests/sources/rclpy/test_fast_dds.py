@@ -62,6 +62,31 @@ def test_neither_the_profile_nor_a_made_type_makes_ros_complain():
     assert (ended.returncode, ended.stdout + ended.stderr) == (0, "")
 
 
+SILENT = """
+import resource
+
+from rclpy.context import Context
+from rclpy.node import Node
+
+from gateway.sources.rclpy.stand_alone import StandAlone
+
+with StandAlone("quiet", "/", None):
+    print("silent until here", flush=True)
+context = Context()
+context.init(args=[])
+resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
+Node("loud", context=context)
+"""
+
+
+def test_fast_dds_reports_errors_except_that_there_is_to_be_no_shared_memory():
+    command = [sys.executable, "-c", SILENT]
+    ended = subprocess.run(command, capture_output=True, text=True, check=True)
+    reported = ended.stdout + ended.stderr
+    assert reported.startswith("silent until here")
+    assert "Failed to create segment" in reported
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_a_profile_that_the_environment_names_stays(name, monkeypatch):
     monkeypatch.setenv(name, "/theirs.xml")

@@ -34,6 +34,7 @@ from gateway.sources.source import (
     ServerInfo,
 )
 from tests.client import TIMEOUT_S, eventually
+from tests.e2e.faults.processes import segments_of
 from tests.sources.outside import Outside
 from tests.sources.rclpy.test_samples import CDR, Flood
 
@@ -186,6 +187,26 @@ async def test_options_that_ros_refuses_are_a_ros_error(options: RosOptions, wor
     with pytest.raises(RosError, match=words):
         async with open_ros(options):
             pass
+
+
+async def test_commands_have_a_participant_without_shared_memory() -> None:
+    """A gateway that is killed may keep the mutex of a port there, and the robot would wait."""
+    outside = Outside()
+    ours = segments_of(os.getpid())
+
+    def participants(topic: str) -> set[bytes]:
+        infos = outside.node.get_publishers_info_by_topic(topic)
+        return {bytes(each.endpoint_gid)[:12] for each in infos}
+
+    try:
+        async with open_ros() as ros:
+            for topic in ("/cmd_vel", "/others"):
+                ros.advertise(topic, "geometry_msgs/msg/Twist", Qos(), lambda _: None)
+                await eventually(lambda topic=topic: len(participants(topic)) == 1)
+            assert participants("/cmd_vel") != participants("/others")
+            assert len(segments_of(os.getpid()) - ours) == 1
+    finally:
+        outside.close()
 
 
 async def test_only_the_debug_node_has_parameter_services() -> None:
@@ -413,8 +434,8 @@ async def test_an_own_service_is_in_the_graph_before_dds_has_found_it(
 @pytest.mark.parametrize(
     ("taking", "threads"),
     [
-        ("eventfd", ["ros_executor", "ros_graph"]),
-        ("wait_set", ["ros_executor", "ros_graph", "ros_ready"]),
+        ("eventfd", ["ros_executor", "ros_graph", "ros_graph"]),
+        ("wait_set", ["ros_executor", "ros_graph", "ros_graph", "ros_ready"]),
     ],
 )
 async def test_there_are_few_threads(taking: Taking, threads: list[str]) -> None:
@@ -590,10 +611,11 @@ async def test_ros_that_has_shut_down_below_the_gateway_is_a_fault_that_only_a_r
 async def test_a_graph_that_nobody_follows_is_a_fault():
     async with open_ros(RosOptions(node_prefix="blind")) as ros:
         assert isinstance(ros, RclpyRos)
-        ros._changes._stopping.set()
-        assert ros._changes._wait_set is not None
-        ros._changes._wait_set.wake()
-        ros._changes._thread.join()
+        changes = ros._changes[-1]
+        changes._stopping.set()
+        assert changes._wait_set is not None
+        changes._wait_set.wake()
+        changes._thread.join()
         assert [fault.text for fault in ros.faults()] == [
             "the thread that follows the ROS graph has ended"
         ]

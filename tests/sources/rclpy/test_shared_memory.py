@@ -2,12 +2,19 @@
 """Removal of the shared memory that killed participants left."""
 
 import fcntl
+import logging
 import os
+import re
 from pathlib import Path
 
 import pytest
 
-from gateway.sources.rclpy.shared_memory import check_room, remove_abandoned_segments
+from gateway.cli.logs import LogHandler
+from gateway.sources.rclpy.shared_memory import (
+    check_room,
+    remove_abandoned_segments,
+    without_shared_memory,
+)
 from gateway.sources.source import RosError
 
 MIN_AGE_S = 2
@@ -82,6 +89,18 @@ def test_a_link_is_not_followed(tmp_path: Path, segment: Path):
     lock_of(segment).symlink_to(tmp_path / "elsewhere")
     assert remove_abandoned_segments(tmp_path) == 0
     assert segment.exists()
+
+
+def test_the_log_is_complete_after_a_time_without_shared_memory(tmp_path: Path):
+    file = tmp_path / "log"
+    with file.open("w", buffering=1) as stream:
+        logger = logging.Logger("here")  # noqa: LOG001  # not one that outlives this test
+        logger.addHandler(LogHandler(stream, "text"))
+        with without_shared_memory():
+            logger.info("said meanwhile")
+            assert file.read_text() == ""
+        logger.info("said later")
+    assert re.findall("said .*", file.read_text()) == ["said meanwhile", "said later"]
 
 
 def test_ros_is_not_started_where_there_is_no_room_at_all(
