@@ -40,6 +40,7 @@ from gateway.sources.source import Diagnosis, LogLevel, Source
 from gateway.start import Start
 from gateway.transport.admission import Admission
 from gateway.transport.discovery_packets import MAX_PATH, FoundGateway
+from gateway.transport.front import Front
 from gateway.transport.lan_discovery import answering_questions
 from gateway.transport.server import Door, Server
 from gateway.transport.static_files import PAGES, StaticFiles
@@ -78,6 +79,7 @@ class Listening:
 
 
 OpenSource = Callable[[Config, InstalledDefinitions], AbstractAsyncContextManager[Source]]
+OpenFront = Callable[[Router], Front]
 Announce = Callable[[Listening], Callable[[], None]]
 
 
@@ -87,6 +89,7 @@ def run(
     announce: Announce,
     load: Callable[[], Config],
     open_source: OpenSource | None = None,
+    open_front: OpenFront | None = None,
     streams: Sequence[int] = STANDARD_STREAMS,
     was_interrupted: Callable[[], bool] = lambda: False,
 ) -> int:
@@ -105,7 +108,15 @@ def run(
     """
     with asyncio.Runner(loop_factory=_loop_factory()) as runner:
         return runner.run(
-            _serve(config, announce, load, open_source or open_rclpy, streams, was_interrupted)
+            _serve(
+                config,
+                announce,
+                load,
+                open_source or open_rclpy,
+                open_front or RosbridgeFront,
+                streams,
+                was_interrupted,
+            )
         )
 
 
@@ -114,6 +125,7 @@ async def _serve(
     announce: Announce,
     load: Callable[[], Config],
     open_source: OpenSource,
+    open_front: OpenFront,
     streams: Sequence[int],
     was_interrupted: Callable[[], bool],
 ) -> int:
@@ -147,7 +159,7 @@ async def _serve(
         start = Start(router.control)
         server = Server(
             router,
-            RosbridgeFront(router),
+            open_front(router),
             limits=config.limits,
             path=config.path,
             files=StaticFiles.read(PAGES, config.path),

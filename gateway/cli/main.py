@@ -180,13 +180,13 @@ def _run_gateway(
     *,
     opens_page: bool = False,
 ) -> int:
-    from gateway.cli.named_source import source_of
+    from gateway.cli.named_parts import front_of, source_of
 
-    open_source = source_of(arguments)
+    open_source, open_front = source_of(arguments), front_of(arguments)
     from gateway import app
 
     def announce_listening(listening: "Listening") -> Callable[[], None]:
-        from gateway.cli import announcement, tokens
+        from gateway.cli import announcement, browser, tokens
 
         listening = tokens.kept_from_logs(listening, sys.stdout if own is None else own.stdout)
 
@@ -200,8 +200,6 @@ def _run_gateway(
         if own is None and loaded.config.qr:
             _announce_qr_code(listening)
         if opens_page:
-            from gateway.cli import browser
-
             browser.open_page(announcement.own_page(listening))
 
         def invite() -> None:
@@ -219,6 +217,7 @@ def _run_gateway(
         _with_certificate(loaded.config),
         announce=announce_listening,
         open_source=open_source,
+        open_front=open_front,
         load=lambda: _with_certificate(_configuration(arguments).config),
         was_interrupted=_interrupted.is_set,
         streams=app.STANDARD_STREAMS if own is None else own.streams,

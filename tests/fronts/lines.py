@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The example of adding-a-front.md: a protocol of lines with three operations.
+
+A client sends ``watch TOPIC``, ``unwatch TOPIC`` and ``stop``. It gets ``TOPIC MESSAGE``, with the
+message in JSON, ``ok TEXT`` and ``error TEXT``.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+from gateway.access.permissions import Identity
+from gateway.codec.json import dumps
+from gateway.codec.pieces import Pieces
+from gateway.core.errors import Level, ProtocolError, StatusCode
+from gateway.core.frames import PerClient, PublishFrames
+from gateway.core.requests import (
+    CallService,
+    Compression,
+    Request,
+    RequestId,
+    SendActionGoal,
+    Stop,
+    Subscribe,
+    Unsubscribe,
+)
+from gateway.core.router import Router
+from gateway.transport.front import ClientSession
+from gateway.transport.websocket_frames import TEXT, header, payload, text_frame
+
+
+class LineFrames:
+    """Makes the lines of one topic."""
+
+    def __init__(self, topic: str) -> None:
+        self._prefix = f"{topic} ".encode()
+
+    def shared(self, message: bytes) -> bytes:
+        return text_frame(self._prefix + message)
+
+    def message(self, shared: bytes) -> bytes:
+        return payload(shared)[len(self._prefix) :]
+
+    def per_client(self, message: bytes, _: PerClient) -> bytes:
+        return self.shared(message)
+
+    def shared_pieces(self, message: Pieces) -> Pieces:
+        return message.within(header(TEXT, len(self._prefix) + len(message)) + self._prefix, b"")
+
+    def per_client_pieces(self, message: Pieces, _: PerClient) -> Pieces:
+        return self.shared_pieces(message)
+
+
+class LineFraming:
+    def frames(self, topic: str, _: Compression) -> PublishFrames:
+        return LineFrames(topic)
+
+    def text(self, topic: str, message: Iterable[bytes]) -> Iterator[bytes]:
+        raise NotImplementedError  # nobody asks for a picture of a text
+
+
+class LineSession(ClientSession):
+    """Says everything in lines. Its clients provide nothing, and call nothing."""
+
+    framing = LineFraming()
+    NOT_AUTHENTICATED = "connect with the header `Authorization: Bearer TOKEN`"
+
+    def say(self, text: str) -> None:
+        self.outbox.put_control(text_frame(text.encode()))
+        self.wake()
+
+    def is_stop(self, data: bytes) -> bool:
+        return data.strip() == b"stop"
+
+    def set_level(self, level: Level) -> None:
+        """Tell everything, whatever the address of the client says."""
+
+    def refuse(self, error: ProtocolError, request: Request | None = None) -> None:
+        self.refused += 1
+        self.say(f"error {error}")
+
+    def warn(self, error: ProtocolError, request: Request) -> None:
+        self.say(f"error {error}")
+
+    def inform(self, text: str, request: Request) -> None:
+        self.say(f"ok {text}")
+
+    def alert(self, code: StatusCode, text: str, request: Request) -> None:
+        self.say(f"{code} {text}")
+
+    def answer(self, kind: str, request_id: RequestId, **members: Any) -> None:
+        self.say(f"ok {kind} {dumps(members).decode()}")
+
+    def describe(self, *_: Any) -> None:
+        raise NotImplementedError  # there is no operation for it, as for what follows
+
+    def respond(self, request: CallService, values: dict[str, Any]) -> None:
+        raise NotImplementedError
+
+    def finish(self, request: SendActionGoal, values: dict[str, Any], status: int) -> None:
+        raise NotImplementedError
+
+    def feedback_frame(self, request: SendActionGoal, values: dict[str, Any]) -> bytes:
+        raise NotImplementedError
+
+    def transform_frame(self, request_id: RequestId, transform: bytes) -> bytes:
+        raise NotImplementedError
+
+    def pass_call(self, service: str, name: str, args: object) -> str:
+        raise NotImplementedError
+
+    def pass_goal(self, action: str, name: str, type_name: str, args: object) -> str:
+        raise NotImplementedError
+
+    def pass_cancel(self, name: str, goal_id: str) -> None:
+        raise NotImplementedError
+
+
+class LineFront:
+    """Reads lines, and has the core carry them out."""
+
+    def __init__(self, core: Router) -> None:
+        self._core = core
+
+    def open(
+        self, wake: Callable[[], None], address: str, identity: Identity | None
+    ) -> LineSession:
+        session = LineSession(self._core.limits, wake, identity)
+        self._core.enter(session, address)
+        return session
+
+    def rejection(self, code: StatusCode, reason: str) -> bytes:
+        return f"error {reason}".encode()
+
+    def receive(self, session: ClientSession, data: bytes) -> None:
+        session.received += 1
+        match data.decode().split():
+            case ["watch", topic]:
+                self._core.carry_out(session, Subscribe(topic=topic))
+            case ["unwatch", topic]:
+                self._core.carry_out(session, Unsubscribe(topic=topic))
+            case ["stop"]:
+                self._core.carry_out(session, Stop())
+            case _:
+                text = "expected watch TOPIC, unwatch TOPIC, or stop"
+                session.refuse(ProtocolError("bad_request", text))
