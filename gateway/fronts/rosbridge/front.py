@@ -2,8 +2,9 @@
 """rosbridge's protocol: messages of clients become requests of the core."""
 
 import time
-from collections.abc import Callable
-from typing import cast
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Final, cast
 
 from gateway.access.permissions import UNLIMITED, Identity
 from gateway.core.errors import StatusCode
@@ -56,34 +57,33 @@ class RosbridgeFront:
 
     def _carry_out(self, session: RosbridgeSession, operation: ClientOperation) -> None:
         request = operation.request()
-        instead: Callable[[], None] | None = None
-        match operation:
-            case Auth():
-                try:
-                    session.authenticate(operation.token, request)
-                except FAILURES as error:
-                    refuse(session, request, error)
+        kind = type(operation)  # to match a class of pydantic takes 0.3 us
+        try:
+            if kind is Auth:  # before that, the core carries out nothing
+                session.authenticate(cast("Auth", operation).token, request)
                 return
-            case SetLevel():
-
-                def instead() -> None:
-                    session.set_level(operation.level)
-            case Help():
-
-                def instead() -> None:
-                    self._help(session, operation)
-            case _:
-                try:
-                    instead = self._republisher.work(session, operation)
-                except FAILURES as error:
-                    refuse(session, request, error)
-                    return
+            instead = (
+                partial(_OWN[kind], self.core, session, operation)
+                if kind in _OWN
+                else self._republisher.work(session, operation)
+            )
+        except FAILURES as error:
+            refuse(session, request, error)
+            return
         self.core.carry_out(session, request, instead)
 
-    def _help(self, session: RosbridgeSession, operation: Help) -> None:
-        """Answer `help` with frames that can be pasted as they are."""
-        frames = frames_to_try(self.core.graph_seen_by(session), session.may)
-        text = "send one of these lines as it is"
-        operations = list(OPERATIONS)
-        answer = messages.help_answer(operation.id, text, frames, docs=DOCS, operations=operations)
-        session.send(answer)
+
+def _set_level(_: Router, session: RosbridgeSession, operation: SetLevel) -> None:
+    session.set_level(operation.level)
+
+
+def _help(core: Router, session: RosbridgeSession, operation: Help) -> None:
+    """Answer with frames that can be pasted as they are."""
+    frames = frames_to_try(core.graph_seen_by(session), session.may)
+    text = "send one of these lines as it is"
+    operations = list(OPERATIONS)
+    session.send(messages.help_answer(operation.id, text, frames, docs=DOCS, operations=operations))
+
+
+# the operations that the core does not know
+_OWN: Final[Mapping[type, Callable[..., None]]] = {SetLevel: _set_level, Help: _help}

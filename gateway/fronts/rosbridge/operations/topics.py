@@ -168,9 +168,11 @@ class Publish(_Publisher):
 
     def request(self) -> Request:
         """Return it for the core."""
-        request = super().request()
-        if self.qos is not None:
-            request.__dict__["qos"] = self.qos.request()
+        request = object.__new__(requests.Publish)
+        members = request.__dict__
+        members.update(self.__dict__)
+        if members["qos"] is not None:
+            members["qos"] = members["qos"].request()
         return request
 
 
