@@ -22,7 +22,7 @@ from tests.sources.outside import Outside
 SCAN = "sensor_msgs/msg/LaserScan"
 ROOT = str(Path(gateway.__file__).parent)
 MAX_CALLS = 12
-MAX_FILES = 5
+MAX_FILES = 6
 
 
 class Way:
