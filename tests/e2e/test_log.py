@@ -27,20 +27,20 @@ STRING = "std_msgs/msg/String"
 # A fault of the gateway, in addition to output and warnings of libraries.
 FAULTS = """
 import os, threading, warnings
-from gateway.core.router import Router
+from gateway.fronts.rosbridge.front import RosbridgeFront
 
-receive = Router.receive
+receive = RosbridgeFront.receive
 
-def fail(router, session, data):
+def fail(front, session, data):
     if b"boom" in data:
         os.write(2, b"[RTPS_TRANSPORT_SHM Error] Failed init_port\\n -> Function compute\\n")
         os.write(1, b"printed by a library\\n")
         warnings.warn("deprecated\\nsince long")
         threading.Thread(target=int, args=("x",)).start()
         raise ZeroDivisionError("a fault")
-    receive(router, session, data)
+    receive(front, session, data)
 
-Router.receive = fail
+RosbridgeFront.receive = fail
 """
 
 Entry = dict[str, Any]
