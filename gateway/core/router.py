@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The dispatcher: it gives each operation of a client to the part that carries it out."""
+"""The dispatcher: it gives each request of a client to the part that carries it out."""
 
 import contextlib
 import logging
@@ -60,9 +60,9 @@ _Asked = TypeVar("_Asked", bound=Request)
 
 
 class Router:
-    """Shares ROS entities between many sessions, and answers every operation.
+    """Shares ROS entities between many sessions, and answers every request.
 
-    Lives on the event loop's thread. Give it the messages of each client, in order. `leave` ends
+    Lives on the event loop's thread. Give it the requests of each client, in order. `leave` ends
     everything of a client.
     """
 

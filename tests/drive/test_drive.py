@@ -934,6 +934,16 @@ def test_a_command_waits_for_the_guard_for_a_second_and_moves_then_for_a_whole_d
     assert bench.sent() == []
 
 
+def test_a_command_whose_time_was_over_before_the_guard_was_ready_is_refused():
+    bench = Bench(guard="starting")
+    bench.command()
+    bench.now += 1_001_000_000  # a turn of the event loop that was late
+    bench.take(bench.drive.set_guard("ready", bench.now))
+    bench.end_turn()
+    assert bench.refusals() == ["tripped"]
+    assert bench.sent() == []
+
+
 def test_the_last_command_of_a_stick_waits_for_the_guard_for_a_deadline():
     bench = Bench(guard="starting")
     for _ in range(20):  # longer than one of them may wait
