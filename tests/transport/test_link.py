@@ -96,6 +96,14 @@ def test_a_link_that_becomes_bad_is_noticed_before_much_is_written():
     assert simulation.written - written < 4 * 50e3
 
 
+def test_a_link_at_less_than_half_of_its_rate_is_noticed_by_one_sample():
+    simulation = Simulation(1e6)
+    simulation.run(3, frame=1000)
+    simulation.bytes_per_s = 450e3
+    simulation.run(0.2, frame=1000)  # the second sample is the first of the new rate alone
+    assert simulation.link.bytes_per_s == pytest.approx(450e3, rel=0.1)
+
+
 def test_a_link_that_has_become_good_is_noticed_once_it_is_used():
     simulation = Simulation(50e3)
     simulation.run(3, frame=1000)
