@@ -33,7 +33,6 @@ def test_a_token_is_made_listed_and_revoked(home: Path):
     made = ros2_gateway("token", "create", "tablet")
     token = made.stdout.strip()
     found = read(home / "tokens.json").find(token)
-    assert found is not None
     assert (found.name, found.role) == ("tablet", "operator")
     assert "is shown only this once" in made.stderr
     assert token not in made.stderr
@@ -114,9 +113,7 @@ def test_check_config_finds_values_that_contradict_each_other(tmp_path: Path):
 
 
 @pytest.mark.parametrize(("flags", "is_shown"), [((), True), (("--no-qr",), False)])
-def test_a_terminal_shows_a_qr_code_of_a_gateway_on_the_network(
-    home: Path, flags: tuple[str, ...], is_shown: bool
-):
+def test_a_terminal_shows_a_qr_code_of_a_gateway_on_the_network(home, flags, is_shown):
     terminal, end = pty.openpty()
     errors = home.with_name("errors")
     with errors.open("wb") as log:

@@ -11,7 +11,6 @@ import sys
 import threading
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 from urllib.parse import urlsplit
 
@@ -97,9 +96,7 @@ def test_a_wait_is_a_time(wait: str) -> None:
 
 
 @pytest.mark.parametrize("is_discoverable", [True, False])
-async def test_a_gateway_on_all_networks_is_found_unless_it_hides(
-    is_discoverable: bool, tmp_path: Path
-) -> None:
+async def test_a_gateway_on_all_networks_is_found_unless_it_hides(is_discoverable, tmp_path):
     settings = (f"discoverable={json.dumps(is_discoverable)}", f"access.token_file={tmp_path}/t")
     flags = ("--lan", *(part for each in settings for part in ("--set", each)))
     async with gateway_process("serve", *flags) as gateway:
@@ -140,9 +137,7 @@ class Network:
         raise TimeoutError
 
 
-def test_a_gateway_that_has_not_answered_is_asked_again_every_400_ms(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_gateway_that_has_not_answered_is_asked_again_every_400_ms(monkeypatch):
     network = Network(monkeypatch)
     assert gateways(2.0, ("10.0.0.255",)) == []
     assert network.asked_s == pytest.approx([0.0, 0.4, 0.8, 1.2, 1.6])

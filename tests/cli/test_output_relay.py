@@ -33,7 +33,6 @@ class Relay:
             data = data[os.write(self.source, data) :]
 
     def finish(self) -> None:
-        assert self.process.stdin is not None
         self.process.stdin.close()
 
     def ended_well(self) -> bool:

@@ -88,9 +88,7 @@ def test_a_nested_type_that_was_not_told_is_named(definitions: InstalledDefiniti
         ({LAMP: "bool on\n", "../../etc": ""}, "'../../etc' is not a valid message type name"),
     ],
 )
-def test_too_many_definitions_are_refused(
-    definitions: InstalledDefinitions, texts: Mapping[str, str], words: str
-):
+def test_too_many_definitions_are_refused(definitions, texts, words):
     told = {name: parse_definition(name, text) for name, text in texts.items()}
     with pytest.raises(DefinitionError, match=words):
         learn(definitions, LAMP, told, "RIHS01_", {})

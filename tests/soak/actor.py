@@ -26,7 +26,6 @@ class Actor:
 
     async def answer(self) -> Any:
         """Return the next answer."""
-        assert self.process.stdout is not None
         async with asyncio.timeout(ANSWER_S):
             line = await self.process.stdout.readline()
         if not line:
@@ -35,7 +34,6 @@ class Actor:
 
     async def ask(self, order: str) -> Any:
         """Give an order and return the answer."""
-        assert self.process.stdin is not None
         async with self._one_at_a_time:
             self.process.stdin.write(f"{order}\n".encode())
             return await self.answer()
@@ -49,7 +47,6 @@ class Actor:
 
     async def end(self) -> None:
         """End it by the end of its standard input, or by force. Ending twice is harmless."""
-        assert self.process.stdin is not None
         self.signal(signal.SIGCONT)
         self.process.stdin.close()
         try:

@@ -264,9 +264,7 @@ async def test_a_later_subscription_gets_the_retained_samples(robot: Robot) -> N
 BRIEF = Qos(durability="transient_local", lifespan_ns=4_000_000_000)
 
 
-async def test_a_publisher_that_keeps_briefly_reaches_who_asks_for_transient_local(
-    robot: Robot,
-) -> None:
+async def test_a_publisher_that_keeps_briefly_reaches_who_asks_for_transient_local(robot):
     received = Received()
     robot.world.add_subscription("/map", INT32, received.on_samples, LATCHED)
     await until_it_flows(advertise(robot, "/map", BRIEF)[1], received)
@@ -316,9 +314,7 @@ async def test_a_publisher_hears_of_subscriptions_to_another_type(robot: Robot, 
 
 
 @pytest.mark.parametrize("topic", TOPICS)
-async def test_a_subscriber_in_the_place_of_another_has_another_id(
-    robot: Robot, topic: str
-) -> None:
+async def test_a_subscriber_in_the_place_of_another_has_another_id(robot, topic):
     _, publisher = advertise(robot, topic, Qos())
     assert publisher.new_matches() == 0
     found: list[frozenset[str]] = []
@@ -336,9 +332,7 @@ async def test_a_subscriber_in_the_place_of_another_has_another_id(
 
 
 @pytest.mark.parametrize("topic", TOPICS)
-async def test_the_gateways_own_subscriptions_are_nobody_who_joins(
-    robot: Robot, topic: str
-) -> None:
+async def test_the_gateways_own_subscriptions_are_nobody_who_joins(robot, topic):
     _, publisher = advertise(robot, topic, Qos())
     subscribe(robot, topic)
     await eventually(lambda: publisher.new_matches() == 1)
@@ -415,9 +409,7 @@ async def test_latched_samples_tell_their_publishers_apart(robot: Robot) -> None
 @pytest.mark.parametrize(
     "passing", [Qos(), BEST_EFFORT, replace(LATCHED, reliability="best_effort")]
 )
-async def test_latched_samples_come_once_while_other_publishers_come_and_go(
-    robot: Robot, passing: Qos
-) -> None:
+async def test_latched_samples_come_once_while_other_publishers_come_and_go(robot, passing):
     publisher = robot.world.add_publisher("/map", INT32, LATCHED)
     values = itertools.count()
     received, subscription = subscribe(robot, "/map")
@@ -442,9 +434,7 @@ async def test_latched_samples_come_once_while_other_publishers_come_and_go(
     assert received.cdrs == [number(value) for value in range(20)]
 
 
-async def test_the_first_to_name_the_type_gets_each_latched_sample_once_and_in_order(
-    robot: Robot,
-) -> None:
+async def test_the_first_to_name_the_type_gets_each_latched_sample_once_and_in_order(robot):
     received, subscription = subscribe(robot, "/map", qos=Qos(depth=100))
     publisher = robot.world.add_publisher("/map", INT32, replace(LATCHED, depth=100))
     for value in range(100):

@@ -271,9 +271,7 @@ async def test_closing_a_client_fails_what_it_waits_for(robot: Robot) -> None:
 
 @pytest.mark.parametrize("turns", range(4))  # the answer comes in any of them
 @pytest.mark.parametrize("closes", [False, True])
-async def test_a_goal_that_nobody_waits_for_is_cancelled_when_it_is_accepted(
-    robot: Robot, closes: bool, turns: int
-) -> None:
+async def test_a_goal_that_nobody_waits_for_is_cancelled_when_it_is_accepted(robot, closes, turns):
     both = Both(robot, provides=True)
     client = robot.ros.actions.action_client("/dock", FIBONACCI)
     sending = asyncio.ensure_future(client.send_goal(goal(3), ignore))

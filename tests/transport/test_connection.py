@@ -243,7 +243,6 @@ def test_little_waits_in_the_kernel_which_finds_a_dead_link_within_12_s(wire: Wi
 
 @pytest.mark.parametrize("closed_by", ["peer", "gateway"])
 def test_nothing_goes_behind_a_close_frame(wire: Wire, closed_by: str):
-    assert wire.connection.session is not None
     outbox = wire.connection.session.outbox
     queue = outbox.open_queue(1, None)
     queue.put(Ready())
@@ -296,7 +295,6 @@ def test_samples_come_in_their_order_whatever_way_they_go(wire: Wire, seed: int)
     take()
     came = [int(found) for found in re.findall(rb"no (\d+)\.", wire.transport.unsent)]
     assert came == list(range(60))
-    assert wire.connection.session is not None
     assert wire.connection.session.outbox.sent == 60
 
 
@@ -311,11 +309,8 @@ def test_a_message_of_10_mib_is_taken_and_a_larger_one_ends_the_connection(wire:
     assert (1009).to_bytes(2, "big") in wire.transport.unsent
 
 
-def test_a_too_large_message_ends_it_with_a_reason_even_if_waiting_messages_cannot_be_encoded(
-    wire: Wire,
-):
+def test_a_too_large_message_ends_it_with_a_reason_even_if_waiting_messages_cannot_be_encoded(wire):
     session = wire.connection.session
-    assert session is not None
     wire.connection.pause_writing()
     session.outbox.open_queue(1, None).put(Unencodable())
     wire.receive(masked(Opcode.TEXT, b"x" * (10 * MIB + 1))[: 16 * 1024])
@@ -351,9 +346,7 @@ def in_pieces(message: bytes, count: int) -> bytes:
 
 
 @pytest.mark.parametrize("pieces", [None, 3])
-def test_a_large_message_is_carried_out_in_the_turn_after_the_one_in_which_it_is_read(
-    wire: Wire, pieces: int | None
-):
+def test_a_large_message_is_carried_out_in_the_turn_after_the_one_in_which_it_is_read(wire, pieces):
     message = padded_ping(8 * 1024 + 1)
     sent = in_pieces(message, pieces) if pieces else masked(Opcode.TEXT, message)
     wire.receive(sent + pings(1, 2))
@@ -364,9 +357,7 @@ def test_a_large_message_is_carried_out_in_the_turn_after_the_one_in_which_it_is
     assert wire.is_served
 
 
-def test_only_the_input_behind_a_large_message_waits_for_the_budget(
-    wire: Wire,
-):
+def test_only_the_input_behind_a_large_message_waits_for_the_budget(wire):
     wire.acceptor.cost_s = 0.3  # of reading, while the burst is 0.25 s
     wire.receive(masked(Opcode.TEXT, padded_ping(8 * 1024 + 1)) + pings(1, 2))
     assert wire.pongs == []
@@ -410,9 +401,7 @@ def test_no_more_than_4_kib_are_parsed_at_once(wire: Wire, monkeypatch: pytest.M
     assert sizes == [4096] * 4
 
 
-def test_a_client_that_has_spent_a_quarter_of_a_second_is_read_for_a_quarter_of_the_time(
-    wire: Wire,
-):
+def test_a_client_that_has_spent_a_quarter_of_a_second_is_read_for_a_quarter_of_the_time(wire):
     wire.now_s += 100  # which saves up nothing beyond the burst
     wire.acceptor.cost_s = 0.24
     wire.receive(pings(1))
@@ -457,7 +446,6 @@ def test_beyond_the_budget_the_newest_message_of_a_topic_of_depth_1_replaces_the
     assert len(heard) == 6
     heard.clear()
     session = wire.connection.session
-    assert session is not None
     session.is_behind = True
     wire.receive(burst)
     assert heard == [("/log", b"0"), ("/log", b"1"), ("/log", b"2"), ("/joy", b"2")]
@@ -466,7 +454,6 @@ def test_beyond_the_budget_the_newest_message_of_a_topic_of_depth_1_replaces_the
 
 def test_a_client_without_budget_is_behind_until_it_has_more(wire: Wire):
     session = wire.connection.session
-    assert session is not None
     wire.acceptor.cost_s = 0.3
     wire.receive(pings(1, 2))
     assert session.is_behind
@@ -478,7 +465,6 @@ def test_a_client_without_budget_is_behind_until_it_has_more(wire: Wire):
 
 def test_input_after_a_pause_may_be_as_old_as_the_pause(wire: Wire):
     session = wire.connection.session
-    assert session is not None
     waited_s: list[float] = []
 
     def take(seconds: float) -> None:
@@ -506,7 +492,6 @@ def test_input_after_a_pause_may_be_as_old_as_the_pause(wire: Wire):
 
 def test_input_up_to_three_turns_after_a_pause_may_have_waited(wire: Wire):
     session = wire.connection.session
-    assert session is not None
     waited_s: list[float] = []
     wire.acceptor._pass_time = lambda cost_s: (
         wire.take(cost_s),
@@ -527,7 +512,6 @@ def test_input_up_to_three_turns_after_a_pause_may_have_waited(wire: Wire):
 
 def test_a_full_buffer_may_have_more_behind_it(wire: Wire):
     session = wire.connection.session
-    assert session is not None
     wire.acceptor.cost_s = 0.3
     wire.receive(pings(1))
     wire.until_served()
@@ -565,16 +549,13 @@ def test_a_read_costs_15_us(wire: Wire, monkeypatch: pytest.MonkeyPatch):
 
 def test_time_that_is_spent_elsewhere_is_paid_for_too(wire: Wire):
     session = wire.connection.session
-    assert session is not None
     session.spend(0.3, wire.now_s)  # as the tasks of its calls do
     assert wire.is_served
     wire.receive(pings(1))
     assert not wire.is_served
 
 
-def test_a_client_that_returns_has_only_the_time_of_its_address(
-    wire: Wire, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_client_that_returns_has_only_the_time_of_its_address(wire, monkeypatch):
     server = wire.acceptor._server
     wire.acceptor.leaving_cost_s = 0.6  # closing what it had open took so long
     wire.connection.connection_lost(None)
@@ -601,9 +582,7 @@ STOP_IN_CBOR = b"\xa1\x62op\x64stop"
 @pytest.mark.parametrize(
     "stop", [masked(Opcode.TEXT, STOP), masked(Opcode.BINARY, STOP_IN_CBOR)], ids=["JSON", "CBOR"]
 )
-def test_a_stop_is_carried_out_once_and_before_all_that_came_earlier(
-    wire: Wire, cost_s: float, stop: bytes
-):
+def test_a_stop_is_carried_out_once_and_before_all_that_came_earlier(wire, cost_s, stop):
     wire.acceptor.cost_s = cost_s
     wire.receive(pings(*range(10)) + stop + pings(10, 11))
     assert wire.carried_out[:2] == ["other", 0]
@@ -635,9 +614,7 @@ def test_a_stop_does_not_wait_for_the_budget_of_its_client(wire: Wire):
         STOP[:-1] + b" " * 1024 + b"}",
     ],
 )
-def test_a_long_message_or_one_that_only_contains_the_word_waits_for_its_turn(
-    wire: Wire, other: bytes
-):
+def test_a_long_message_or_one_that_only_contains_the_word_waits_for_its_turn(wire, other):
     wire.acceptor.cost_s = 0.005
     wire.receive(pings(1, 2) + masked(Opcode.TEXT, other))
     assert wire.carried_out == [1]
@@ -648,7 +625,6 @@ def test_a_long_message_or_one_that_only_contains_the_word_waits_for_its_turn(
 
 
 def test_a_stop_before_authentication_waits_for_its_turn(wire: Wire):
-    assert wire.connection.session is not None
     wire.connection.session.identity = None
     wire.acceptor.cost_s = 0.005
     wire.receive(pings(1, 2) + masked(Opcode.TEXT, STOP))
@@ -656,9 +632,7 @@ def test_a_stop_before_authentication_waits_for_its_turn(wire: Wire):
     assert wire.carried_out == [1, 2, "other"]
 
 
-def test_a_large_message_that_a_stop_has_overtaken_is_so_when_it_is_carried_out(
-    wire: Wire, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_large_message_that_a_stop_has_overtaken_is_so_when_it_is_carried_out(wire, monkeypatch):
     seen: list[tuple[str, bool]] = []
 
     def note(session: RosbridgeSession, op: str, *_: object, **__: object) -> None:
@@ -672,9 +646,7 @@ def test_a_large_message_that_a_stop_has_overtaken_is_so_when_it_is_carried_out(
 
 
 @pytest.mark.parametrize(("size", "count"), [(20, 4096), (4000, 64)])
-def test_input_of_a_client_without_time_is_read_ahead_up_to_a_limit(
-    wire: Wire, size: int, count: int
-):
+def test_input_of_a_client_without_time_is_read_ahead_up_to_a_limit(wire, size, count):
     wire.acceptor.cost_s = 0.3
     wire.receive(pings(0, 1))
     wire.acceptor.cost_s = 0.0
@@ -693,7 +665,6 @@ def test_input_of_a_client_without_time_is_read_ahead_up_to_a_limit(
 
 def test_the_driver_goes_first_and_the_greediest_client_last(wire: Wire):
     inbound, session = wire.connection._inbound, wire.connection.session
-    assert session is not None
     assert inbound.rank(wire.now_s) == 1
     wire.connection.spending.spend(0.124, wire.now_s)
     assert inbound.rank(wire.now_s) == 1
@@ -705,7 +676,6 @@ def test_the_driver_goes_first_and_the_greediest_client_last(wire: Wire):
 
 def test_the_driver_waits_for_its_budget_and_not_for_others_of_its_address(wire: Wire):
     session = wire.connection.session
-    assert session is not None
     neighbour = wire.acceptor.budgets.open("127.0.0.1")
     neighbour.spend(100, wire.now_s)
     wire.acceptor.cost_s = 0.001
@@ -896,9 +866,7 @@ async def test_a_handshake_has_5_s(serve: Serve, monkeypatch: pytest.MonkeyPatch
         assert wire.transport.is_aborted
 
 
-async def test_a_page_has_35_s_to_be_read_and_its_connection_a_second_to_close(
-    serve: Serve, monkeypatch: pytest.MonkeyPatch
-):
+async def test_a_page_has_35_s_to_be_read_and_its_connection_a_second_to_close(serve, monkeypatch):
     async with serve() as served:
         wire = Wire(served.server, monkeypatch, is_upgraded=False)
         wire.receive(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
@@ -952,7 +920,6 @@ def test_over_half_of_the_send_queue_may_be_in_use_for_30_s(wire: Wire):
     wire.transport.unsent = b"x" * 100
     wire.connection.pause_writing()
     session = wire.connection.session
-    assert session is not None
     queue = session.outbox.open_queue(100, None)
     queue.put(Waiting(4 * MIB))
     for _ in range(2):
@@ -968,7 +935,6 @@ def test_over_half_of_the_send_queue_may_be_in_use_for_30_s(wire: Wire):
 def test_answers_alone_beyond_the_send_queue_end_a_connection(wire: Wire):
     wire.connection.pause_writing()
     session = wire.connection.session
-    assert session is not None
     for _ in range(9):  # the oldest does not count
         session.outbox.put_control(bytes(MIB))
     wire.pass_time(0.1)

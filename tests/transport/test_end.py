@@ -248,9 +248,7 @@ async def test_a_bug_is_an_end_by_the_gateway(serve: Serve, caplog, monkeypatch)
     assert (record.by, record.reason, record.code) == ("gateway", "internal_error", INTERNAL_ERROR)
 
 
-async def test_a_bug_in_keeping_the_times_of_a_client_ends_it_alone(
-    serve: Serve, caplog, monkeypatch
-):
+async def test_a_bug_in_keeping_the_times_of_a_client_ends_it_alone(serve, caplog, monkeypatch):
     ticks: list[str] = []
     tick = Connection.tick
 
@@ -307,9 +305,7 @@ async def test_the_first_cause_counts(serve: Serve, caplog):
     assert record.getMessage().endswith(": 1008 enough")
 
 
-async def test_the_end_is_written_and_counted_even_if_leaving_fails(
-    serve: Serve, caplog, monkeypatch
-):
+async def test_the_end_is_written_and_counted_even_if_leaving_fails(serve, caplog, monkeypatch):
     caplog.set_level("INFO", LOGGER)
     leave = Router.leave
 

@@ -175,9 +175,7 @@ def test_after_a_message_in_several_frames_the_next_is_not_left_to_it_either(cou
     assert counted.passed_on(TEXT) == []
 
 
-def test_after_a_length_in_more_bytes_than_it_needs_the_next_is_not_left_to_it_either(
-    counted: Counted,
-):
+def test_after_a_length_in_more_bytes_than_it_needs_the_next_is_not_left_to_it_either(counted):
     odd = frame(0x82, b"hello", length_bytes=8)
     assert counted.passed_on(odd + TEXT) == [odd]
     assert counted.passed_on(TEXT) == []

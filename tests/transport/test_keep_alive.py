@@ -59,9 +59,7 @@ def judged() -> Judged:
 
 
 @pytest.mark.parametrize("waiting_bytes", [0, 2])  # of a ping that is on its way whenever one looks
-def test_a_client_that_answers_no_ping_stays_while_its_kernel_accepts_data(
-    judged, waiting_bytes: int
-):
+def test_a_client_that_answers_no_ping_stays_while_its_kernel_accepts_data(judged, waiting_bytes):
     judged.waiting_bytes = waiting_bytes
     assert judged.during(HOUR_S, taken=1) == [PING] * (HOUR_S // 5)
     assert judged.keep_alive.round_trip_s is None
@@ -84,9 +82,7 @@ def test_no_ping_is_queued_behind_data_that_is_not_accepted(judged: Judged):
     assert judged.during(20) == []
 
 
-def test_a_client_that_accepts_nothing_is_cut_off_after_30_s_unless_it_accepts_a_byte(
-    judged: Judged,
-):
+def test_a_client_that_accepts_nothing_is_cut_off_after_30_s_unless_it_accepts_a_byte(judged):
     judged.is_paused, judged.waiting_bytes = True, 100
     for _ in range(3):
         assert judged.during(30) == []

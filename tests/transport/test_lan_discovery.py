@@ -48,17 +48,13 @@ def waiting(asking: socket.socket) -> int:
     raise AssertionError("they do not end")
 
 
-async def test_a_question_is_answered_again_and_again(
-    discovery: LanDiscovery, asking: socket.socket
-) -> None:
+async def test_a_question_is_answered_again_and_again(discovery, asking):
     for _ in range(3):
         asking.sendto(question(), ("127.0.0.1", discovery.port))
         assert await heard(asking) == answer(GATEWAY)
 
 
-async def test_other_datagrams_are_not_answered(
-    discovery: LanDiscovery, asking: socket.socket
-) -> None:
+async def test_other_datagrams_are_not_answered(discovery, asking):
     for datagram in (b"", b"{}", question()[:-1], answer(GATEWAY), b"x" * 1400):
         asking.sendto(datagram, ("127.0.0.1", discovery.port))
     asking.sendto(question(), ("127.0.0.1", discovery.port))
@@ -66,9 +62,7 @@ async def test_other_datagrams_are_not_answered(
     assert waiting(asking) == 0
 
 
-async def test_a_flood_costs_the_loop_a_bounded_part_of_its_time(
-    discovery: LanDiscovery, asking: socket.socket, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_flood_costs_the_loop_a_bounded_part_of_its_time(discovery, asking, monkeypatch):
     monkeypatch.setattr("gateway.transport.lan_discovery.PAUSE_S", 3600.0)
     for _ in range(DATAGRAMS_PER_TURN + 4):
         asking.sendto(question(), ("127.0.0.1", discovery.port))
@@ -84,9 +78,7 @@ async def test_a_flood_costs_the_loop_a_bounded_part_of_its_time(
         await heard(asking)
 
 
-async def test_one_that_closes_between_its_turns_does_not_listen_again(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_one_that_closes_between_its_turns_does_not_listen_again(monkeypatch):
     discovery = LanDiscovery(answer(GATEWAY), port=0)
     resumed: list[bool] = []
     monkeypatch.setattr("gateway.transport.lan_discovery.PAUSE_S", 0.0)
@@ -108,18 +100,14 @@ async def test_gateways_of_one_machine_share_the_port(asking: socket.socket) -> 
     second.close()
 
 
-async def test_a_client_that_leaves_before_the_answer_does_not_disturb_others(
-    discovery: LanDiscovery, asking: socket.socket
-) -> None:
+async def test_a_client_that_leaves_before_the_answer_does_not_disturb_others(discovery, asking):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as gone:
         gone.sendto(question(), ("127.0.0.1", discovery.port))
     asking.sendto(question(), ("127.0.0.1", discovery.port))
     assert await heard(asking) == answer(GATEWAY)
 
 
-async def test_a_port_in_use_is_reported_and_does_not_prevent_a_start(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
+async def test_a_port_in_use_is_reported_and_does_not_prevent_a_start(monkeypatch, caplog):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("", 0))
         port = other.getsockname()[1]
@@ -132,9 +120,7 @@ async def test_a_port_in_use_is_reported_and_does_not_prevent_a_start(
     ]
 
 
-async def test_after_a_turn_it_listens_again_in_100_ms_and_little_waits(
-    discovery: LanDiscovery,
-) -> None:
+async def test_after_a_turn_it_listens_again_in_100_ms_and_little_waits(discovery):
     delays_s: list[float] = []
     discovery._loop = SimpleNamespace(  # type: ignore[assignment]
         remove_reader=lambda _: None,

@@ -243,7 +243,6 @@ async def test_a_slow_reader_gets_the_newest_and_nothing_queues(serve: Serve):
             for _ in range(50):
                 publisher.publish(old)
             publisher.publish(noise(served, 200))
-            assert connection._viewer is not None
             assert connection._viewer.session.outbox.size <= 2 * len(old)
             shown = 0
             while (await viewer.picture()).mean() < 150:
@@ -269,9 +268,7 @@ async def test_a_viewer_that_takes_nothing_is_cut_off(serve: Serve):
         assert summary.handshakes_refused == {}
 
 
-async def test_at_most_so_many_look_and_one_that_leaves_makes_room(
-    serve: Serve, monkeypatch: pytest.MonkeyPatch
-):
+async def test_at_most_so_many_look_and_one_that_leaves_makes_room(serve, monkeypatch):
     monkeypatch.setattr(picture_streams, "MAX_VIEWERS", 2)
     path = f"/stream?topic={CAMERA}"
     async with serve() as served, contextlib.AsyncExitStack() as others:
@@ -356,9 +353,7 @@ async def test_refusals_say_what_to_do(serve: Serve, path, status, text):
         assert viewers(served) == 0
 
 
-async def test_a_snapshot_without_a_picture_says_so_and_a_stream_waits_on(
-    serve: Serve, monkeypatch: pytest.MonkeyPatch
-):
+async def test_a_snapshot_without_a_picture_says_so_and_a_stream_waits_on(serve, monkeypatch):
     monkeypatch.setattr(picture_streams, "WAIT_S", 0.1)
     async with serve() as served:
         publisher = camera(served)
@@ -479,9 +474,7 @@ async def test_foreign_pages_and_hosts_get_nothing_and_allowed_ones_are_named(se
         ("", b"same-site"),
     ],
 )
-async def test_browsers_give_pictures_to_pages_of_this_host_on_any_port(
-    serve: Serve, referer, policy
-):
+async def test_browsers_give_pictures_to_pages_of_this_host_on_any_port(serve, referer, policy):
     async with (
         serve() as served,
         view(served, f"/stream?topic={CAMERA}", "HEAD", Referer=referer) as viewer,
@@ -503,7 +496,6 @@ async def test_the_shutdown_ends_streams(serve: Serve):
 def test_a_request_becomes_the_subscription_that_it_asks_for():
     asked = picture_request("/stream?topic=/a&quality=50&width=320&fps=2.5")
     assert (asked.topic, asked.queue_length) == ("/a", 1)
-    assert asked.image is not None
     assert (asked.image.format, asked.image.quality) == ("jpeg", 50)
     assert (asked.image.max_width, asked.image.max_fps) == (320, 2.5)
     with pytest.raises(PictureRequestError):
@@ -516,7 +508,6 @@ def test_an_address_of_web_video_server_asks_for_the_same(path):
         f"{path}?topic=/a&type=ros_compressed&width=640&height=480&quality=90&bitrate=250000"
         "&qos_profile=sensor_data&qos_profile=&default_transport=compressed&gop=0&qmin=1&qmax=9"
     )
-    assert asked.image is not None
     sides = (asked.image.max_width, asked.image.max_height)
     assert (asked.topic, *sides, asked.image.quality) == ("/a", 640, 480, 90)
     unbounded = picture_request(f"{path}?topic=/a&width=0&height=0&type=mjpeg").image

@@ -195,9 +195,7 @@ async def test_the_series_of_a_client_end_with_it_and_its_topics_keep_the_counts
         page.check_sums()
 
 
-async def test_the_counts_of_a_client_and_topic_do_not_fall_when_one_of_two_names_ends(
-    serve: Serve,
-):
+async def test_the_counts_of_a_client_and_topic_do_not_fall_when_one_of_two_names_ends(serve):
     async with serve() as served, client(served.url) as listener:
         publisher = served.ros.add_publisher("/t", STRING)
 
@@ -361,9 +359,7 @@ async def test_all_that_ask_while_a_page_is_written_get_it_and_a_fault_is_answer
         assert (await asyncio.to_thread(fetch, served))[0] == 200
 
 
-async def test_pages_take_a_quarter_of_the_time_and_no_more_than_a_slice_at_once(
-    monkeypatch: pytest.MonkeyPatch,
-):
+async def test_pages_take_a_quarter_of_the_time_and_no_more_than_a_slice_at_once(monkeypatch):
     now_s = 0.0
     worked_s = rested_s = 0.0
     slices: list[float] = []
@@ -395,9 +391,7 @@ async def test_pages_take_a_quarter_of_the_time_and_no_more_than_a_slice_at_once
     assert max(slices) < 0.0045
 
 
-async def test_replies_are_written_one_at_a_time_with_rests_between(
-    monkeypatch: pytest.MonkeyPatch,
-):
+async def test_replies_are_written_one_at_a_time_with_rests_between(monkeypatch):
     now_s = 0.0
     seen: list[str] = []
 
@@ -427,9 +421,7 @@ async def test_replies_are_written_one_at_a_time_with_rests_between(
     assert seen == ["reply", "0.009"] * 3
 
 
-async def test_eight_wait_for_a_page_and_the_next_is_refused_until_one_is_done(
-    serve: Serve, monkeypatch: pytest.MonkeyPatch
-):
+async def test_eight_wait_for_a_page_and_the_next_is_refused_until_one_is_done(serve, monkeypatch):
     async with serve() as served:
         may_write = hold_pages(monkeypatch)
         asked = [await ask(served) for _ in range(8)]
@@ -450,9 +442,7 @@ async def test_eight_wait_for_a_page_and_the_next_is_refused_until_one_is_done(
         assert page.values("handshakes_refused_total") == {("busy",): 1, ("none",): 1}
 
 
-async def test_a_page_that_is_not_taken_is_waited_for(
-    serve: Serve, monkeypatch: pytest.MonkeyPatch
-):
+async def test_a_page_that_is_not_taken_is_waited_for(serve, monkeypatch):
     monkeypatch.setattr(scrapes_module, "pieces", lambda _: ["x" * 8_000_000])
     async with serve() as served:
         asked = [await ask(served) for _ in range(8)]
@@ -463,9 +453,7 @@ async def test_a_page_that_is_not_taken_is_waited_for(
             writer.close()
 
 
-async def test_input_behind_a_request_for_the_metrics_is_ignored(
-    serve: Serve, monkeypatch: pytest.MonkeyPatch
-):
+async def test_input_behind_a_request_for_the_metrics_is_ignored(serve, monkeypatch):
     async with serve() as served:
         may_write = hold_pages(monkeypatch)
         reader, writer = await ask(served)
@@ -481,9 +469,7 @@ async def test_input_behind_a_request_for_the_metrics_is_ignored(
         writer.close()
 
 
-async def test_a_page_that_takes_too_long_is_answered_so(
-    serve: Serve, monkeypatch: pytest.MonkeyPatch
-):
+async def test_a_page_that_takes_too_long_is_answered_so(serve, monkeypatch):
     async with serve({"open_timeout_s": 0.1}) as served:
         may_write = hold_pages(monkeypatch)
         status, _, text = await asyncio.to_thread(fetch, served)
@@ -494,9 +480,7 @@ async def test_a_page_that_takes_too_long_is_answered_so(
         assert served.server.summary().handshakes_refused == {"busy": 1}
 
 
-async def test_a_page_that_the_shutdown_prevents_is_counted_so(
-    serve: Serve, monkeypatch: pytest.MonkeyPatch
-):
+async def test_a_page_that_the_shutdown_prevents_is_counted_so(serve, monkeypatch):
     async with serve() as served:
         hold_pages(monkeypatch)
         reader, writer = await ask(served)
@@ -506,9 +490,7 @@ async def test_a_page_that_the_shutdown_prevents_is_counted_so(
     assert served.server.summary().handshakes_refused == {"going_away": 1}
 
 
-async def test_head_writes_no_page_and_needs_a_token_as_well(
-    serve: Serve, monkeypatch: pytest.MonkeyPatch
-):
+async def test_head_writes_no_page_and_needs_a_token_as_well(serve, monkeypatch):
     monkeypatch.setattr(scrapes_module, "pieces", None)
     async with Door(serve).open() as served:
         assert (await asyncio.to_thread(fetch, served, "HEAD"))[0] == 401

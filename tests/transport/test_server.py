@@ -276,9 +276,7 @@ class Newcomer:
     def tick(self, now_s: float) -> None: ...
 
 
-async def test_of_more_than_64_handshakes_the_oldest_of_the_greediest_address_is_cut_off(
-    serve: Serve,
-):
+async def test_of_more_than_64_handshakes_the_oldest_of_the_greediest_address_is_cut_off(serve):
     async with serve() as served:
         modest = [Newcomer("10.0.0.1") for _ in range(20)]
         greedy = [Newcomer("10.0.0.2") for _ in range(44)]
@@ -651,9 +649,7 @@ async def test_the_address_says_in_which_format_images_come(serve: Serve):
 )
 @pytest.mark.parametrize("origin", [(), ("Origin: http://evil.example:9090",)])
 @pytest.mark.parametrize("path", ["/", "/healthz"])
-async def test_a_foreign_name_that_points_here_is_not_served(
-    serve: Serve, host, status, origin, path
-):
+async def test_a_foreign_name_that_points_here_is_not_served(serve, host, status, origin, path):
     request = upgrade(f"Host: {host}", *origin).replace(b"GET / ", f"GET {path} ".encode())
     async with serve() as served:
         assert await status_of(served, request) == status
@@ -758,9 +754,7 @@ async def test_an_invalid_request_gets_its_status_and_leaves_no_trace(
     ],
 )
 @pytest.mark.parametrize("header", ["localhost", "evil.example"])
-async def test_the_host_of_a_target_counts_instead_of_the_header(
-    serve: Serve, target, status, header
-):
+async def test_the_host_of_a_target_counts_instead_of_the_header(serve, target, status, header):
     async with serve() as served:
         request = f"GET {target} HTTP/1.1\r\nHost: {header}\r\n\r\n".encode()
         is_path = target[0] == "/" and header == "evil.example"
@@ -846,9 +840,7 @@ async def test_a_client_that_asks_and_never_reads_is_closed_as_slow(serve: Serve
         del reader
 
 
-async def test_one_answer_beyond_the_send_queue_reaches_a_client_that_reads(
-    serve: Serve, monkeypatch
-):
+async def test_one_answer_beyond_the_send_queue_reaches_a_client_that_reads(serve, monkeypatch):
     ticks = 0
 
     def tick(connection, now_s):
@@ -867,7 +859,6 @@ async def test_one_answer_beyond_the_send_queue_reaches_a_client_that_reads(
         await eventually(lambda: served.ros.entity_count() == 1)
         (connection,) = served.server._connections
         session = connection.session
-        assert session is not None
         sent = -1
         async with asyncio.timeout(TIMEOUT_S):
             while sent != session.outbox.sent or ticks < 5:  # the socket is full, and stays so
@@ -889,9 +880,7 @@ async def test_one_answer_beyond_the_send_queue_reaches_a_client_that_reads(
         writer.close()
 
 
-async def test_a_fault_in_the_core_closes_only_that_client_with_1011(
-    serve: Serve, monkeypatch, caplog
-):
+async def test_a_fault_in_the_core_closes_only_that_client_with_1011(serve, monkeypatch, caplog):
     async with serve() as served, client(served.url) as other:
 
         def fail(session, data):

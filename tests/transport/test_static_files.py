@@ -89,7 +89,6 @@ async def test_the_page_knows_where_the_websocket_is(serve, files_of_another_pat
 def test_a_path_of_the_websocket_adds_no_markup(tmp_path: Path):
     (tmp_path / "index.html").write_text('<meta content="{{websocket_path}}">')
     file = StaticFiles.read(tmp_path, '/"><script>').find("/index.html")
-    assert file is not None
     assert file.body == b'<meta content="/&quot;&gt;&lt;script&gt;">'
 
 

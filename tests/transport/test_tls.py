@@ -194,9 +194,7 @@ async def test_a_failed_handshake_is_one_line_of_the_log_with_its_reason(
         ]
 
 
-async def test_a_flood_of_failed_handshakes_leaves_a_bounded_number_of_lines(
-    serve: Serve, tls, caplog
-):
+async def test_a_flood_of_failed_handshakes_leaves_a_bounded_number_of_lines(serve, tls, caplog):
     caplog.set_level("INFO", "gateway.transport.tls_handshakes")
     async with serve(tls=tls) as served, asyncio.timeout(TIMEOUT_S):
         for _ in range(2 * BURST):

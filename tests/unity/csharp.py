@@ -152,8 +152,6 @@ class _Process:
         return self.process.poll() is None
 
     def run(self, name: str) -> dict[str, Any]:
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
         try:
             self.process.stdin.write(f"{name}\n")
             self.process.stdin.flush()
@@ -179,7 +177,6 @@ class _Process:
         return result
 
     def close(self) -> None:
-        assert self.process.stdin is not None
         try:
             with contextlib.suppress(BrokenPipeError):  # it has ended by itself
                 self.process.stdin.close()
@@ -188,7 +185,6 @@ class _Process:
             self.process.kill()
             self.process.wait()
         finally:
-            assert self.process.stdout is not None
             self.process.stdout.close()
             self.errors.close()
 

@@ -87,8 +87,6 @@ class Probe:
         self._errors.close()
 
     def _exchange(self, questions: Sequence[Question]) -> list[Answer]:
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
         lines = [f"{name} {base64.b64encode(value).decode()}\n" for name, value in questions]
         try:
             self._process.stdin.write(("".join(lines) + "\n").encode())

@@ -98,7 +98,6 @@ class Rogue:
 
     async def serve(self, client: ServerConnection) -> None:
         """Live one connection."""
-        assert client.request is not None
         with contextlib.suppress(ConnectionClosed):
             await self._paths[client.request.path.partition("?")[0]](client)
 

@@ -106,7 +106,6 @@ def test_a_truncated_message_raises_codec_error_with_its_offset(name):
         for length in lengths:
             with pytest.raises(CodecError) as caught:
                 decode(cdr[:length])
-            assert caught.value.offset is not None
             assert caught.value.offset <= length + 4  # padding may also be missing
 
 

@@ -42,7 +42,6 @@ async def test_goals_that_have_ended_leave_nothing_behind(ros: RclpyRos, outside
     client = ros.action_client("/dock", FIBONACCI)
     for order in range(5):
         accepted = await soon(client.send_goal(goal(order), ignore))
-        assert accepted is not None
         accepted.cancel()
         await eventually(lambda: len(provider.cancels) == order + 1)  # noqa: B023
         provider.goals[-1].finish(ABORTED, sequence())
@@ -76,9 +75,7 @@ async def test_goals_of_two_clients_do_not_mix(ros: RclpyRos, outside: Outside) 
     await eventually(lambda: heard == [[[0]], [[1]]])
 
 
-async def test_a_goal_outlives_a_moment_in_which_its_action_is_unready(
-    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_goal_outlives_a_moment_in_which_its_action_is_unready(ros, outside, monkeypatch):
     provider = Provider()
 
     def accept(_: bytes) -> bool:  # rmw has found half of another server
@@ -106,9 +103,7 @@ async def test_feedback_that_came_before_the_result_is_heard_before_it(ros: Rclp
     assert [values_of(each) for each in heard] == [[1]]
 
 
-async def test_a_goal_that_its_server_has_forgotten_has_no_result(
-    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_goal_that_its_server_has_forgotten_has_no_result(ros, monkeypatch):
     answer: Any = RclpyActionServer._answer_result
 
     def answer_late(server: Any, *request: Any) -> None:
@@ -164,9 +159,7 @@ async def test_a_goal_that_is_accepted_too_late_is_cancelled(ros: RclpyRos, slow
     assert ros.entity_count() == 2
 
 
-async def test_a_closed_client_stays_until_goals_that_were_given_up_are_decided(
-    ros: RclpyRos, slow: Slow
-) -> None:
+async def test_a_closed_client_stays_until_goals_that_were_given_up_are_decided(ros, slow):
     client = ros.action_client("/dock", FIBONACCI)
     for _ in range(2):
         await slow.gets_goal_that_is_given_up(client)
@@ -179,9 +172,7 @@ async def test_a_closed_client_stays_until_goals_that_were_given_up_are_decided(
     assert len(slow.provider.cancels) == 2
 
 
-async def test_other_requests_of_a_client_fail_when_it_closes_though_it_stays(
-    ros: RclpyRos, slow: Slow
-) -> None:
+async def test_other_requests_of_a_client_fail_when_it_closes_though_it_stays(ros, slow):
     client = ros.action_client("/dock", FIBONACCI)
     heard: list[bytes] = []
     sending = asyncio.ensure_future(client.send_goal(goal(3), heard.append))
@@ -212,9 +203,7 @@ async def test_a_closed_client_waits_for_a_decision_for_30_s(ros: RclpyRos, slow
     assert before + 30 <= client._destroy_timer.when() <= loop.time() + 30
 
 
-async def test_a_closed_client_waits_for_a_decision_only_so_long(
-    ros: RclpyRos, slow: Slow, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_closed_client_waits_for_a_decision_only_so_long(ros, slow, monkeypatch):
     monkeypatch.setattr(action_client, "_ABANDONED_S", 0.01)
     client = ros.action_client("/dock", FIBONACCI)
     await slow.gets_goal_that_is_given_up(client)
@@ -222,9 +211,7 @@ async def test_a_closed_client_waits_for_a_decision_only_so_long(
     await eventually(lambda: ros.entity_count() == 1)
 
 
-async def test_a_closed_client_does_not_wait_for_a_server_that_has_gone(
-    ros: RclpyRos, slow: Slow
-) -> None:
+async def test_a_closed_client_does_not_wait_for_a_server_that_has_gone(ros, slow):
     client = ros.action_client("/dock", FIBONACCI)
     await slow.gets_goal_that_is_given_up(client)
     client.close()
@@ -253,9 +240,7 @@ async def test_a_goal_that_is_given_up_while_it_waits_is_never_sent(ros: RclpyRo
     assert [each.cdr for each in provider.goals] == [goal(4)]
 
 
-async def test_a_goal_waits_until_its_feedback_can_be_heard(
-    ros: RclpyRos, outside: Outside
-) -> None:
+async def test_a_goal_waits_until_its_feedback_can_be_heard(ros, outside):
     parts: Any = action_class(FIBONACCI).Impl
     goals: list[Any] = []
 
@@ -283,9 +268,7 @@ async def test_a_goal_waits_until_its_feedback_can_be_heard(
     assert len(goals) == 1
 
 
-async def test_an_action_of_this_process_gets_its_goals_at_once(
-    ros: RclpyRos, slow: Slow, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_an_action_of_this_process_gets_its_goals_at_once(ros, slow, monkeypatch):
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     client = ros.action_client("/dock", FIBONACCI)
     sends = [asyncio.ensure_future(client.send_goal(goal(3), ignore)) for _ in range(15)]
@@ -294,9 +277,7 @@ async def test_an_action_of_this_process_gets_its_goals_at_once(
         sending.cancel()
 
 
-async def test_an_action_of_which_a_part_is_refused_leaves_nothing(
-    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_an_action_of_which_a_part_is_refused_leaves_nothing(ros, monkeypatch):
     def refuse(*_: object, **__: object) -> None:
         raise RuntimeError("not today")
 
@@ -354,9 +335,7 @@ async def test_closing_the_port_sends_all_cancels(ros: RclpyRos) -> None:
     await eventually(lambda: len(provider.cancels) == 16)
 
 
-async def test_a_closed_client_waits_for_the_answer_to_a_cancel_only_so_long(
-    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_closed_client_waits_for_the_answer_to_a_cancel_only_so_long(ros, monkeypatch):
     monkeypatch.setattr(action_client, "_ABANDONED_S", 0.01)
     monkeypatch.setattr(RclpyActionServer, "_cancel", ignore)
     provider = Provider()
@@ -368,9 +347,7 @@ async def test_a_closed_client_waits_for_the_answer_to_a_cancel_only_so_long(
     await eventually(lambda: ros.entity_count() == 1)
 
 
-async def test_a_goal_that_has_ended_waits_for_no_answer_to_its_cancel(
-    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_goal_that_has_ended_waits_for_no_answer_to_its_cancel(ros, monkeypatch):
     monkeypatch.setattr(RclpyActionServer, "_cancel", ignore)
     provider = Provider()
     ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
@@ -385,9 +362,7 @@ async def test_a_goal_that_has_ended_waits_for_no_answer_to_its_cancel(
     assert ros.entity_count() == 1
 
 
-async def test_the_last_of_many_goals_may_end_first(
-    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_the_last_of_many_goals_may_end_first(ros, outside, monkeypatch):
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     provider = Provider()
     outside.add_action_server("/dock", FIBONACCI, *provider.callbacks)

@@ -151,9 +151,7 @@ async def test_a_result_is_kept_for_15_minutes(caller: Caller) -> None:
     assert before + 900 <= goal.expiry.when() <= loop.time() + 900
 
 
-async def test_a_result_is_forgotten_after_a_time(
-    caller: Caller, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_result_is_forgotten_after_a_time(caller, monkeypatch):
     monkeypatch.setattr(limits, "RESULT_KEPT_S", 0.0)
     [goal] = await started(caller, 1)
     goal.finish(SUCCEEDED, sequence(4))
@@ -169,9 +167,7 @@ async def test_the_oldest_results_make_room_for_new_ones(caller: Caller) -> None
     assert statuses == [0, SUCCEEDED, SUCCEEDED]
 
 
-async def test_a_request_that_is_too_late_to_wait_takes_no_place(
-    caller: Caller, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_request_that_is_too_late_to_wait_takes_no_place(caller, monkeypatch):
     monkeypatch.setattr(limits, "MAX_WAITING", 2)
     [goal] = await started(caller, 1)
     first = [asyncio.ensure_future(caller.result(goal_id(1))) for _ in range(2)]

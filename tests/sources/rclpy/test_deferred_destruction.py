@@ -40,9 +40,7 @@ def services(ros: RclpyRos, name: str) -> list[Any]:
     return [each for each in node.services if each.service_name == name]
 
 
-async def test_a_kept_entity_is_destroyed_half_a_second_later(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_a_kept_entity_is_destroyed_half_a_second_later(monkeypatch):
     clock = StoppedClock(monkeypatch)
     deferred = DeferredDestruction(asyncio.get_running_loop())
     destroyed: list[str] = []
@@ -53,9 +51,7 @@ async def test_a_kept_entity_is_destroyed_half_a_second_later(
     assert destroyed == ["a"]
 
 
-async def test_at_the_end_an_entity_is_destroyed_once_it_may_have_been_heard(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_at_the_end_an_entity_is_destroyed_once_it_may_have_been_heard(monkeypatch):
     happened: list[object] = []
     monkeypatch.setattr("gateway.sources.rclpy.deferred_destruction.time.sleep", happened.append)
     deferred = DeferredDestruction(asyncio.get_running_loop())

@@ -48,9 +48,7 @@ def stopping(monkeypatch: pytest.MonkeyPatch) -> Stopping:
     return stopping
 
 
-def test_a_fault_that_comes_back_at_once_is_logged_once_a_second(
-    stopping: Stopping, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_fault_that_comes_back_at_once_is_logged_once_a_second(stopping, caplog):
     context = Context()
     context.init(args=[], domain_id=int(os.environ["ROS_DOMAIN_ID"]))
     spinning = ExecutorThread(context)
@@ -60,9 +58,7 @@ def test_a_fault_that_comes_back_at_once_is_logged_once_a_second(
     assert caplog.messages == ["callback of ROS failed"] * 3
 
 
-def test_a_fault_after_ros_was_shut_down_ends_the_thread(
-    stopping: Stopping, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_fault_after_ros_was_shut_down_ends_the_thread(stopping, caplog):
     spinning = ExecutorThread(Context())
     spinning._thread.join()
     assert stopping.pauses_s == []
@@ -87,9 +83,7 @@ def wait_until(condition: Callable[[], bool]) -> None:
         time.sleep(0.01)
 
 
-def test_a_callback_that_hangs_for_5_s_is_a_fault_until_it_has_ended(
-    spinning: ExecutorThread, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_callback_that_hangs_for_5_s_is_a_fault_until_it_has_ended(spinning, monkeypatch):
     now_s = 1000.0
     monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: now_s))
     began, go_on = threading.Event(), threading.Event()
@@ -105,9 +99,7 @@ def test_a_callback_that_hangs_for_5_s_is_a_fault_until_it_has_ended(
     wait_until(lambda: spinning.faults() == ())
 
 
-def test_an_idle_executor_answers_each_time(
-    spinning: ExecutorThread, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_idle_executor_answers_each_time(spinning, monkeypatch):
     monkeypatch.setattr(module, "STUCK_S", 0)
     for _ in range(3):
         assert spinning.faults() == ()

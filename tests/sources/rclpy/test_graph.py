@@ -28,9 +28,7 @@ def watching() -> Iterator[Outside]:
 
 
 @pytest.mark.parametrize("polling", [False, True])
-async def test_changes_are_told_on_the_loops_thread_until_closed(
-    watching: Outside, outside: Outside, polling: bool
-) -> None:
+async def test_changes_are_told_on_the_loops_thread_until_closed(watching, outside, polling):
     threads: list[int] = []
     changes = GraphChanges(
         watching.node,
@@ -62,9 +60,7 @@ async def test_closing_ends_the_thread_at_once(watching: Outside) -> None:
         assert threading.active_count() == before
 
 
-async def test_a_subscription_follows_its_publishers_where_nobody_can_wait(
-    outside: Outside, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_subscription_follows_its_publishers_where_nobody_can_wait(outside, monkeypatch):
     monkeypatch.setattr("gateway.sources.rclpy.graph.GraphWaitSet.create", lambda node: None)
     ros = RclpyRos(RosOptions())
     try:
@@ -75,9 +71,7 @@ async def test_a_subscription_follows_its_publishers_where_nobody_can_wait(
         ros.close()
 
 
-async def test_closing_between_two_looks_is_not_slept_through(
-    watching: Outside, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_closing_between_two_looks_is_not_slept_through(watching, monkeypatch):
     waits = _WaitSetThatIsClosedWhileLooking()
     monkeypatch.setattr("gateway.sources.rclpy.graph.GraphWaitSet.create", lambda node: waits)
     changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: None)
@@ -167,9 +161,7 @@ async def test_following_the_graph_takes_at_most_a_tenth_of_the_loop(
     assert settling.settled_s[:2] == [0.02, settle_s]
 
 
-async def test_without_a_way_to_wait_the_graph_is_checked_twice_a_second(
-    watching: Outside,
-) -> None:
+async def test_without_a_way_to_wait_the_graph_is_checked_twice_a_second(watching):
     changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: None, polling=True)
     former, changes._stopping = changes._stopping, _Settling()
     former.set()  # ends the wait that goes on
@@ -179,9 +171,7 @@ async def test_without_a_way_to_wait_the_graph_is_checked_twice_a_second(
     assert set(settling.settled_s) <= {0.5}
 
 
-async def test_a_busy_loop_has_one_call_waiting(
-    watching: Outside, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_busy_loop_has_one_call_waiting(watching, monkeypatch):
     waits = _WaitSetOfChanges()
     monkeypatch.setattr("gateway.sources.rclpy.graph.GraphWaitSet.create", lambda node: waits)
     calls: list[None] = []

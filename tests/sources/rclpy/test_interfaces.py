@@ -2,8 +2,6 @@
 """From type names to generated classes, and to nothing else."""
 
 import sys
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -41,9 +39,7 @@ def test_a_missing_message_names_type_and_package() -> None:
 @pytest.mark.parametrize(
     ("find", "kind"), [(message_class, "msg"), (service_class, "srv"), (action_class, "action")]
 )
-def test_a_package_that_is_not_a_ros_package_is_not_imported(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, find: Callable[[str], object], kind: str
-) -> None:
+def test_a_package_that_is_not_a_ros_package_is_not_imported(tmp_path, monkeypatch, find, kind):
     for folder in (tmp_path / "innocent", tmp_path / "innocent" / kind):
         folder.mkdir()
         (folder / "__init__.py").write_text("raise SystemExit('imported')")
@@ -53,9 +49,7 @@ def test_a_package_that_is_not_a_ros_package_is_not_imported(
     assert "innocent" not in sys.modules
 
 
-def test_a_broken_ros_package_is_a_bad_type(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_broken_ros_package_is_a_bad_type(tmp_path, monkeypatch):
     package = tmp_path / "broken_msgs"
     (package / "msg").mkdir(parents=True)
     (package / "__init__.py").touch()

@@ -68,9 +68,7 @@ def test_a_service_and_an_action_are_made_once(definitions: InstalledDefinitions
 
 
 @pytest.mark.parametrize("name", ["Odd", "Unknown"])
-def test_services_and_actions_that_cannot_be_made_are_not_installed(
-    name: str, definitions: InstalledDefinitions
-):
+def test_services_and_actions_that_cannot_be_made_are_not_installed(name, definitions):
     for classes in (making(definitions), MessageClasses(definitions)):
         for get, kind in ((classes.service, "srv"), (classes.action, "action")):
             with pytest.raises(RosError, match="no ROS package my_msgs is installed") as caught:
@@ -122,9 +120,7 @@ def test_the_hash_of_a_type_is_that_of_its_definition(definitions: InstalledDefi
     assert MessageClasses().hash_of(LAMP) is None
 
 
-def test_a_type_with_a_key_is_refused_in_words_where_dds_would_not_match_it(
-    tmp_path: Path, monkeypatch
-):
+def test_a_type_with_a_key_is_refused_in_words_where_dds_would_not_match_it(tmp_path, monkeypatch):
     folder = tmp_path / "my_msgs" / "msg"
     folder.mkdir(parents=True)
     members = "@key long number;"
@@ -208,9 +204,7 @@ async def test_a_process_that_fails_or_crashes_is_told_of(monkeypatch, script: s
         ("ServiceSupport", "[0, 1, 2, 4, 3, 5, 6, 7, 8, 9, 10]", "made services have no hashes"),
     ],
 )
-async def test_a_ros_that_is_laid_out_otherwise_is_noticed(
-    monkeypatch, structure: str, order: str, words: str
-):
+async def test_a_ros_that_is_laid_out_otherwise_is_noticed(monkeypatch, structure, order, words):
     script = (
         "import ctypes",
         "from gateway.sources.rclpy import made_types, made_types_check, type_supports",

@@ -74,7 +74,6 @@ async def leave_calls_open(ros: Ros) -> list[asyncio.Future[object]]:
         asyncio.ensure_future(ros.action_client("/nobody", FIBONACCI).send_goal(CDR, ignore))
     )
     goal = await ros.action_client("/left_open", FIBONACCI).send_goal(CDR, ignore)
-    assert goal is not None
     left.append(asyncio.ensure_future(goal.result()))
     await eventually(lambda: len(requests) == 2)
     return left
@@ -254,9 +253,7 @@ async def test_topics_that_do_not_exist_are_not_remembered(outside: Outside) -> 
         assert set(ros._types) == {"/count"}  # type: ignore[attr-defined]  # its memory
 
 
-async def test_an_own_service_is_known_before_dds_has_found_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_an_own_service_is_known_before_dds_has_found_it(monkeypatch):
     for read in ("read_all_services", "read_actions"):
         monkeypatch.setattr(f"gateway.sources.rclpy.port.{read}", lambda _: ())
     async with open_ros() as ros:
@@ -302,9 +299,7 @@ async def test_entities_are_limited() -> None:
         ros.advertise("/c", INT32, Qos(), lambda _: None)
 
 
-async def test_a_lack_of_descriptors_is_a_ros_error_and_leaves_nothing(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_a_lack_of_descriptors_is_a_ros_error_and_leaves_nothing(monkeypatch):
     def none_left(*_: object) -> int:
         raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
 
@@ -360,9 +355,7 @@ async def test_simulated_time_that_goes_back_is_told(outside: Outside) -> None:
         assert len(jumps) == 1
 
 
-async def test_the_log_reaches_rosout_and_not_the_terminal(
-    outside: Outside, capfd: pytest.CaptureFixture[str]
-) -> None:
+async def test_the_log_reaches_rosout_and_not_the_terminal(outside, capfd):
     received: list[Sample] = []
     async with open_ros(RosOptions(node_prefix="xr")) as ros:
         outside.add_subscription("/rosout", LOG, received.extend)
@@ -410,9 +403,7 @@ async def test_without_rclpy_both_ways_to_get_it_are_told(monkeypatch: pytest.Mo
             pass
 
 
-async def test_an_own_service_is_in_the_graph_before_dds_has_found_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_an_own_service_is_in_the_graph_before_dds_has_found_it(monkeypatch):
     nothing = Graph((), (), (), ())
     monkeypatch.setattr("gateway.sources.rclpy.port.read_graph", lambda *_: nothing)
     for read in ("read_all_services", "read_actions"):
@@ -445,9 +436,7 @@ async def test_there_are_few_threads(taking: Taking, threads: list[str]) -> None
     assert set(threading.enumerate()) == before
 
 
-async def test_a_middleware_without_callbacks_is_noticed_at_the_start(
-    monkeypatch: pytest.MonkeyPatch, outside: Outside
-) -> None:
+async def test_a_middleware_without_callbacks_is_noticed_at_the_start(monkeypatch, outside):
     unsupported = 3  # RMW_RET_UNSUPPORTED
 
     def refuse(self: ReadyCallbacks, kind: object, entity: object, *_: object) -> None:
@@ -553,9 +542,7 @@ async def test_the_services_behind_an_action_can_be_called_by_who_knows_them() -
         assert cancel not in [service.name for service in ros.graph().services]
 
 
-async def test_a_new_entity_is_known_before_the_thread_of_the_graph_reports_it(
-    outside: Outside,
-) -> None:
+async def test_a_new_entity_is_known_before_the_thread_of_the_graph_reports_it(outside):
     async with open_ros() as ros:
         assert isinstance(ros, RclpyRos)
         assert ros.service_types("/new") == ros.action_types("/new") == ()
@@ -613,7 +600,6 @@ async def test_a_graph_that_nobody_follows_is_a_fault():
         assert isinstance(ros, RclpyRos)
         changes = ros._changes[-1]
         changes._stopping.set()
-        assert changes._wait_set is not None
         changes._wait_set.wake()
         changes._thread.join()
         assert [fault.text for fault in ros.faults()] == [

@@ -3,17 +3,13 @@
 
 import asyncio
 
-import pytest
-
 from gateway.sources.rclpy import RosOptions, open_ros, publishers
 from gateway.sources.source import Qos
 
 INT32 = "std_msgs/msg/Int32"
 
 
-async def test_subscribers_are_asked_for_once_however_many_publishers_a_turn_opens(
-    monkeypatch: pytest.MonkeyPatch,
-):
+async def test_subscribers_are_asked_for_once_however_many_publishers_a_turn_opens(monkeypatch):
     asked: list[str] = []
 
     def read_requests(_: object, topic: str) -> list[object]:

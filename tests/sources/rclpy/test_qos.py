@@ -61,9 +61,7 @@ def test_an_open_profile_matches_every_offer(offers: tuple[Endpoint, ...]) -> No
         ([BRIEF, BRIEF], "reliable", "volatile"),
     ],
 )
-def test_reliable_and_transient_local_only_if_all_are(
-    offers: list[Endpoint], reliability: str, durability: str
-) -> None:
+def test_reliable_and_transient_local_only_if_all_are(offers, reliability, durability):
     adopted = adopt(Qos(), offers)
     assert (adopted.reliability, adopted.durability) == (reliability, durability)
 
@@ -165,9 +163,7 @@ def test_a_subscription_that_gets_nothing_is_told_to_the_publisher_in_words() ->
         (replace(RELIABLE, is_manual=True), "manual liveliness with no lease"),
     ],
 )
-def test_a_subscription_that_asks_for_signs_of_life_gets_nothing_from_a_client(
-    asked: Endpoint, words: str
-) -> None:
+def test_a_subscription_that_asks_for_signs_of_life_gets_nothing_from_a_client(asked, words):
     [reason] = unmatched_subscribers("/t", TYPE, complete_offer(Qos()), [asked])
     assert reason.code == "qos_incompatible"
     assert reason.text == (
@@ -187,9 +183,7 @@ def test_a_subscription_to_another_type_is_told_to_the_publisher() -> None:
 
 
 @pytest.mark.parametrize("asked", ALL)
-def test_the_default_offer_of_a_client_matches_every_subscription(
-    asked: Endpoint,
-) -> None:
+def test_the_default_offer_of_a_client_matches_every_subscription(asked):
     qos = complete_offer(offered(Advertise(topic="/t", type=TYPE), SMALL))
     assert unmatched_subscribers("/t", TYPE, qos, [asked]) == []
 

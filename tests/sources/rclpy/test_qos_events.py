@@ -102,9 +102,7 @@ async def test_a_publisher_that_gives_no_sign_of_life_is_told(ros: RclpyRos, out
     assert plain is not None
 
 
-async def test_a_subscription_that_asks_for_signs_of_life_is_told_to_the_client(
-    ros: RclpyRos, outside: Outside
-):
+async def test_a_subscription_that_asks_for_signs_of_life_is_told_to_the_client(ros, outside):
     events: list[TopicEvent] = []
     publisher = ros.advertise("/t", INT32, Qos(), events.append)
     for liveliness, lease_ns in (
@@ -176,9 +174,7 @@ def test_a_loss_is_reported_with_a_remedy(qos: Qos, remedy: str):
     assert remedy in event.text
 
 
-async def test_a_middleware_without_these_events_serves_topics_all_the_same(
-    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
-):
+async def test_a_middleware_without_these_events_serves_topics_all_the_same(ros, monkeypatch):
     def refuse(*_: object) -> None:
         raise rclpy_implementation.UnsupportedEventTypeError("not here")
 

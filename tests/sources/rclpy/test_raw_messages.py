@@ -71,9 +71,7 @@ def test_only_little_endian_cdr_is_sent(cdr: bytes):
         RawMessage(cdr)
 
 
-async def test_thousands_of_calls_leave_nothing_behind(
-    ros: RclpyRos, classes: MadeClasses, outside: Outside
-):
+async def test_thousands_of_calls_leave_nothing_behind(ros, classes, outside):
     ros.serve("/arm", SET_BOOL, lambda each: each.answer(answer))
     client = ros.client("/arm", SET_BOOL)
     text = "x" * 50_000
@@ -88,12 +86,9 @@ async def test_thousands_of_calls_leave_nothing_behind(
     assert min(grown) < 5_000_000  # and not 50 MB each time
 
 
-def test_no_garbage_is_collected_while_rmw_writes(
-    classes: MadeClasses, monkeypatch: pytest.MonkeyPatch
-):
+def test_no_garbage_is_collected_while_rmw_writes(classes, monkeypatch):
     made = classes.get("std_msgs/msg/String")
     messages = classes._made._messages
-    assert messages is not None
     write, were_enabled = messages._fast_cdr.write, []
 
     def watched(cdr: int, **rest: Any) -> int:
@@ -161,9 +156,7 @@ async def test_padding_behind_a_message_is_not_part_of_it(ros: RclpyRos, outside
         texts.pop(0)
 
 
-async def test_goals_without_a_whole_id_are_rejected(
-    ros: RclpyRos, classes: MadeClasses, outside: Outside
-):
+async def test_goals_without_a_whole_id_are_rejected(ros, classes, outside):
     goals: list[Any] = []
     server = ros.serve_action("/dock", FIBONACCI, goals.append, ignore)
     form = classes.action(FIBONACCI)

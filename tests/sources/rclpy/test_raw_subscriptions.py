@@ -74,9 +74,7 @@ def waiting(reader: Any) -> int:
     return int(next(line for line in lines if line.startswith("eventfd-count:")).split()[1], 16)
 
 
-async def test_samples_that_wait_while_the_profile_is_replaced_are_not_lost(
-    ros: RclpyRos, outside: Outside
-) -> None:
+async def test_samples_that_wait_while_the_profile_is_replaced_are_not_lost(ros, outside):
     fed = Fed(ros, outside)
     await fed.fill()
     fed.subscription.follow([RELIABLE, BEST_EFFORT])
@@ -84,9 +82,7 @@ async def test_samples_that_wait_while_the_profile_is_replaced_are_not_lost(
     await eventually(lambda: fed.received == list(range(WAITING)))
 
 
-async def test_each_message_comes_once_and_in_order_while_the_profile_is_replaced(
-    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_each_message_comes_once_and_in_order_while_the_profile_is_replaced(ros, monkeypatch):
     assert raw_subscriptions.RETIREMENT_S == 4.0
     monkeypatch.setattr(raw_subscriptions, "RETIREMENT_S", 1.0)
     received: list[int] = []
@@ -109,9 +105,7 @@ async def test_each_message_comes_once_and_in_order_while_the_profile_is_replace
     assert received == list(range(received[0], received[0] + len(received)))
 
 
-async def test_closing_while_the_profile_is_replaced_ends_the_samples(
-    ros: RclpyRos, outside: Outside
-) -> None:
+async def test_closing_while_the_profile_is_replaced_ends_the_samples(ros, outside):
     fed = Fed(ros, outside)
     await fed.fill()
     fed.then = fed.subscription.close
@@ -123,9 +117,7 @@ async def test_closing_while_the_profile_is_replaced_ends_the_samples(
     assert fed.subscription._reader is fed.subscription._retired is None
 
 
-async def test_a_callback_that_raises_leaves_no_third_reader(
-    ros: RclpyRos, outside: Outside
-) -> None:
+async def test_a_callback_that_raises_leaves_no_third_reader(ros, outside):
     def fail() -> None:
         raise LookupError
 
@@ -141,9 +133,7 @@ async def test_a_callback_that_raises_leaves_no_third_reader(
     assert fed.subscription._retired is None
 
 
-async def test_closing_by_the_last_samples_of_a_retired_one_leaves_no_reader(
-    ros: RclpyRos, outside: Outside
-) -> None:
+async def test_closing_by_the_last_samples_of_a_retired_one_leaves_no_reader(ros, outside):
     fed = Fed(ros, outside)
     await fed.fill()
     fed.then = fed.subscription.close
@@ -153,9 +143,7 @@ async def test_closing_by_the_last_samples_of_a_retired_one_leaves_no_reader(
     assert fed.subscription._reader is fed.subscription._retired is None
 
 
-async def test_a_refused_replacement_is_told_once_while_it_stands(
-    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_refused_replacement_is_told_once_while_it_stands(ros, monkeypatch):
     def refuse(*_: object) -> None:
         raise RuntimeError("no memory")
 

@@ -15,9 +15,7 @@ class Entity:
     """Stands in for one of rcl's. Nothing is hooked."""
 
 
-async def test_without_a_function_of_rcl_it_is_unsupported(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_without_a_function_of_rcl_it_is_unsupported(monkeypatch):
     def no_library(name: str) -> None:
         raise OSError(f"{name}: cannot open shared object file")
 
@@ -26,9 +24,7 @@ async def test_without_a_function_of_rcl_it_is_unsupported(
         EventfdReadyEvents(asyncio.get_running_loop())
 
 
-async def test_without_readers_on_the_loop_it_is_unsupported(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_without_readers_on_the_loop_it_is_unsupported(monkeypatch):
     loop = asyncio.get_running_loop()
 
     def no_readers(*_: object) -> None:
@@ -81,9 +77,7 @@ async def test_takes_are_counted_against_what_has_arrived_and_dds_can_have_kept(
     source.close()
 
 
-async def test_a_take_that_raises_is_not_repeated_for_nothing_new(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_a_take_that_raises_is_not_repeated_for_nothing_new(monkeypatch):
     calls: list[None] = []
     raised = asyncio.Event()
     loop = asyncio.get_running_loop()

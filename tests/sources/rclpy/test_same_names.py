@@ -43,9 +43,7 @@ async def test_a_name_that_two_nodes_have_is_warned_of_once(clock: StoppedClock,
     assert "ROS_DOMAIN_ID" in text
 
 
-async def test_a_killed_node_next_to_its_successor_does_not_count_as_a_second_one(
-    clock: StoppedClock, warned: Warned
-):
+async def test_a_killed_node_next_to_its_successor_does_not_count_as_a_second_one(clock, warned):
     nodes = ["/robot", "/robot"]
     watch = watching(nodes)
     watch.look()
@@ -83,9 +81,7 @@ async def test_a_name_that_comes_later_is_warned_of_later_and_one_that_comes_bac
     ]
 
 
-async def test_hidden_nodes_and_those_without_a_name_yet_do_not_count(
-    clock: StoppedClock, warned: Warned
-):
+async def test_hidden_nodes_and_those_without_a_name_yet_do_not_count(clock, warned):
     watch = watching(["/_ros2cli", "/_ros2cli", "/a/_b", "/a/_b", "_NODE_NAME_UNKNOWN_"] * 2)
     watch.look()
     await clock.advance(LATER)
@@ -109,9 +105,7 @@ async def test_after_closing_nothing_is_logged(clock: StoppedClock, warned: Warn
     assert warned() == []
 
 
-async def test_a_second_gateway_is_warned_of_at_once_and_the_rest_of_it_is_not_again(
-    clock: StoppedClock, warned: Warned
-):
+async def test_a_second_gateway_is_warned_of_at_once_and_the_rest_of_it_is_not_again(clock, warned):
     nodes = ["/gateway_debug", "/gateway_services"]
     watch = SameNames(asyncio.get_running_loop(), lambda: nodes, own=tuple(nodes))
     watch.look()
@@ -132,9 +126,7 @@ async def test_a_second_gateway_is_warned_of_at_once_and_the_rest_of_it_is_not_a
     assert len(warned()) == 2
 
 
-async def test_two_gateways_in_one_domain_notice_each_other(
-    monkeypatch: pytest.MonkeyPatch, warned: Warned
-):
+async def test_two_gateways_in_one_domain_notice_each_other(monkeypatch, warned):
     monkeypatch.setattr(same_names, "PERSISTS_S", 1e6)
     async with open_ros(RosOptions()) as one, open_ros(RosOptions()) as other:
         await eventually(

@@ -73,9 +73,7 @@ def flood(outside: Outside) -> Iterator[Flood]:
     flood.close()
 
 
-async def test_samples_that_came_before_the_callback_was_set_are_taken(
-    node: Node, outside: Outside
-) -> None:
+async def test_samples_that_came_before_the_callback_was_set_are_taken(node, outside):
     latched = Qos(durability="transient_local", depth=5)
     publisher = outside.add_publisher("/map", INT32, latched)
     for _ in range(3):
@@ -126,9 +124,7 @@ async def test_no_stale_callback_writes_into_a_descriptor_that_reuses_the_number
             other.close()
 
 
-async def test_a_reader_unhooks_then_destroys_then_closes(
-    node: Node, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_reader_unhooks_then_destroys_then_closes(node, monkeypatch):
     loop = asyncio.get_running_loop()
     samples = samples_of(node)
     steps: list[tuple[str, object]] = []
@@ -159,9 +155,7 @@ async def test_a_reader_unhooks_then_destroys_then_closes(
     assert len(steps) == 3
 
 
-async def test_a_reader_that_cannot_be_hooked_leaves_nothing(
-    node: Node, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_reader_that_cannot_be_hooked_leaves_nothing(node, monkeypatch):
     def refuse(*_: object) -> None:
         raise RuntimeError("no callbacks today")
 
@@ -188,9 +182,7 @@ async def test_a_flush_ends_though_the_samples_do_not(node: Node) -> None:
     reader.close()
 
 
-async def test_a_flood_leaves_the_loop_to_others(
-    node: Node, outside: Outside, flood: Flood
-) -> None:
+async def test_a_flood_leaves_the_loop_to_others(node, outside, flood):
     samples = samples_of(node)
     batches: list[int] = []
     profile = to_profile(adopt(Qos(depth=1000), ()))
@@ -204,9 +196,7 @@ async def test_a_flood_leaves_the_loop_to_others(
     reader.close()
 
 
-async def test_an_exception_in_one_callback_does_not_stop_the_samples(
-    node: Node, outside: Outside, flood: Flood
-) -> None:
+async def test_an_exception_in_one_callback_does_not_stop_the_samples(node, outside, flood):
     loop = asyncio.get_running_loop()
     raised: list[object] = []
     loop.set_exception_handler(lambda _, context: raised.append(context["exception"]))
@@ -261,9 +251,7 @@ async def samples(node: Node) -> AsyncIterator[Samples]:
         yield samples
 
 
-async def test_samples_behind_a_large_one_are_taken_while_the_loop_serves_others(
-    samples: Samples, outside: Outside
-) -> None:
+async def test_samples_behind_a_large_one_are_taken_while_the_loop_serves_others(samples, outside):
     held = HeldTakes(samples)
     received: list[Sample] = []
     qos = Qos(reliability="reliable", durability="volatile", depth=10)
@@ -293,9 +281,7 @@ async def test_samples_behind_a_large_one_are_taken_while_the_loop_serves_others
     reader.close()
 
 
-async def test_the_first_sample_of_a_latched_topic_does_not_hold_the_loop(
-    samples: Samples, outside: Outside
-) -> None:
+async def test_the_first_sample_of_a_latched_topic_does_not_hold_the_loop(samples, outside):
     held = HeldTakes(samples)
     latched = Qos(durability="transient_local", depth=1)
     outside.add_publisher("/map", STRING, latched).publish(text(2 * LARGE_SAMPLE_BYTES, b"m"))
@@ -309,9 +295,7 @@ async def test_the_first_sample_of_a_latched_topic_does_not_hold_the_loop(
     reader.close()
 
 
-async def test_a_flush_waits_for_what_the_thread_is_taking(
-    samples: Samples, outside: Outside
-) -> None:
+async def test_a_flush_waits_for_what_the_thread_is_taking(samples, outside):
     held = HeldTakes(samples)
     latched = Qos(reliability="reliable", durability="transient_local", depth=10)
     publisher = outside.add_publisher("/map", STRING, latched)
@@ -327,9 +311,7 @@ async def test_a_flush_waits_for_what_the_thread_is_taking(
     reader.close()
 
 
-async def test_a_reader_that_closes_delivers_nothing_that_the_thread_is_taking(
-    samples: Samples, outside: Outside
-) -> None:
+async def test_a_reader_that_closes_delivers_nothing_that_the_thread_is_taking(samples, outside):
     held = HeldTakes(samples)
     latched = Qos(durability="transient_local", depth=1)
     outside.add_publisher("/map", STRING, latched).publish(text(100, b"a"))
@@ -347,9 +329,7 @@ async def test_a_reader_that_closes_delivers_nothing_that_the_thread_is_taking(
     assert received == []
 
 
-async def test_after_a_failed_take_the_loop_takes_the_samples_that_have_come(
-    samples: Samples, outside: Outside
-) -> None:
+async def test_after_a_failed_take_the_loop_takes_the_samples_that_have_come(samples, outside):
     loop = asyncio.get_running_loop()
     raised: list[object] = []
     loop.set_exception_handler(lambda _, context: raised.append(context["exception"]))
@@ -386,9 +366,7 @@ async def test_samples_that_arrive_while_the_thread_takes_bring_one_further_take
     reader.close()
 
 
-async def test_a_reader_that_closes_waits_for_one_sample_alone(
-    samples: Samples, outside: Outside
-) -> None:
+async def test_a_reader_that_closes_waits_for_one_sample_alone(samples, outside):
     held = HeldTakes(samples)
     latched = Qos(reliability="reliable", durability="transient_local", depth=10)
     publisher = outside.add_publisher("/map", STRING, latched)
@@ -401,9 +379,7 @@ async def test_a_reader_that_closes_waits_for_one_sample_alone(
     assert not held.begun.acquire(blocking=False)
 
 
-async def test_a_wait_set_does_not_tell_of_what_the_thread_is_taking(
-    node: Node, outside: Outside
-) -> None:
+async def test_a_wait_set_does_not_tell_of_what_the_thread_is_taking(node, outside):
     with (
         contextlib.closing(WaitSetReadyEvents(node.context, asyncio.get_running_loop())) as events,
         contextlib.closing(Samples(node, events)) as samples,

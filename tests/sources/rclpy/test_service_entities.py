@@ -63,9 +63,7 @@ async def test_calls_leave_nothing_behind(ros: RclpyRos, outside: Outside) -> No
     await eventually(waiting.cancelled)
 
 
-async def test_a_call_that_is_cancelled_while_it_waits_is_never_sent(
-    ros: RclpyRos, outside: Outside
-) -> None:
+async def test_a_call_that_is_cancelled_while_it_waits_is_never_sent(ros, outside):
     requests: list[ServiceRequest] = []
     client = ros.client("/arm", SET_BOOL)
     first = asyncio.ensure_future(client.call(request(False)))
@@ -79,9 +77,7 @@ async def test_a_call_that_is_cancelled_while_it_waits_is_never_sent(
     assert [each.cdr[4] for each in requests] == [1]
 
 
-async def test_requests_beyond_what_a_server_keeps_wait_here(
-    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_requests_beyond_what_a_server_keeps_wait_here(ros, outside, monkeypatch):
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
@@ -104,9 +100,7 @@ async def test_requests_beyond_what_a_server_keeps_wait_here(
     assert all(each.cdr[4] for each in requests)
 
 
-async def test_a_server_that_never_answers_keeps_no_request_waiting(
-    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_server_that_never_answers_keeps_no_request_waiting(ros, outside, monkeypatch):
     monkeypatch.setattr(endpoints, "PACING_S", 0.01)
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)  # not as fast as that
@@ -123,9 +117,7 @@ async def test_a_server_that_never_answers_keeps_no_request_waiting(
         calling.cancel()
 
 
-async def test_a_service_of_this_process_gets_its_requests_at_once(
-    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_service_of_this_process_gets_its_requests_at_once(ros, monkeypatch):
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     requests: list[ServiceRequest] = []
     ros.serve("/arm", SET_BOOL, requests.append)
@@ -177,9 +169,7 @@ async def ask_anew(ros: RclpyRos, requests: list[ServiceRequest]) -> bytes:
     return answer
 
 
-async def test_a_call_fails_with_its_server_though_another_has_come(
-    ros: RclpyRos, outside: Outside, successor: Outside
-) -> None:
+async def test_a_call_fails_with_its_server_though_another_has_come(ros, outside, successor):
     requests: list[ServiceRequest] = []
     server = outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
@@ -196,9 +186,7 @@ async def test_a_call_fails_with_its_server_though_another_has_come(
     assert text_of(await soon(client.call(request(True)))) == "got True"
 
 
-async def test_a_call_outlives_a_moment_in_which_its_service_is_unready(
-    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_call_outlives_a_moment_in_which_its_service_is_unready(ros, outside, monkeypatch):
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
@@ -227,9 +215,7 @@ async def test_a_call_whose_server_nobody_could_tell_fails_when_its_service_is_u
         await soon(calling)
 
 
-async def test_a_server_that_has_come_before_word_of_it_keeps_its_calls(
-    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_server_that_has_come_before_word_of_it_keeps_its_calls(ros, outside, monkeypatch):
     requests: list[ServiceRequest] = []
     server = outside.add_service("/arm", SET_BOOL, echo)
     client = ros.client("/arm", SET_BOOL)
@@ -380,9 +366,7 @@ async def test_an_answer_that_is_there_when_its_server_goes_counts(ros: RclpyRos
     assert text_of(await soon(calling)) == "done"
 
 
-async def test_a_server_is_found_though_nothing_tells_of_it(
-    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_server_is_found_though_nothing_tells_of_it(ros, outside, monkeypatch):
     monkeypatch.setattr(ros._services, "follow_graph", lambda: None)
     client = ros.client("/arm", SET_BOOL)
     loop = asyncio.get_running_loop()
@@ -394,9 +378,7 @@ async def test_a_server_is_found_though_nothing_tells_of_it(
     assert text_of(await soon(calling)) == "got True"
 
 
-async def test_a_response_that_came_before_dds_had_matched_the_client_is_sent_again(
-    ros: RclpyRos, outside: Outside
-) -> None:
+async def test_a_response_that_came_before_dds_had_matched_the_client_is_sent_again(ros, outside):
     requests: list[ServiceRequest] = []
     service = ros.serve("/arm", SET_BOOL, requests.append)
     replier: Any = service._replier
@@ -425,9 +407,7 @@ async def test_a_response_that_came_before_dds_had_matched_the_client_is_sent_ag
     assert delays_s == [1.0]
 
 
-async def test_a_service_that_has_become_silent_sends_what_it_owes(
-    ros: RclpyRos, outside: Outside
-) -> None:
+async def test_a_service_that_has_become_silent_sends_what_it_owes(ros, outside):
     requests: list[ServiceRequest] = []
     replier = ros.serve("/arm", SET_BOOL, requests.append)._replier
     send, in_vain = replier._send_response, [None] * MAX_STALLS
@@ -449,9 +429,7 @@ async def test_a_service_that_has_become_silent_sends_what_it_owes(
     assert [text_of(await soon(calling)) for calling in calls] == ["done"] * MAX_STALLS
 
 
-async def test_a_client_that_no_response_can_reach_is_told_of(
-    ros: RclpyRos, outside: Outside, caplog: pytest.LogCaptureFixture
-) -> None:
+async def test_a_client_that_no_response_can_reach_is_told_of(ros, outside, caplog):
     ros.serve("/arm", SET_BOOL, echo)
     found = service_class(SET_BOOL)
     profile = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -499,9 +477,7 @@ async def test_a_closed_entity_leaves_the_callback_group_of_its_node(ros: RclpyR
     assert len(group.entities) == before
 
 
-async def test_a_silent_server_gets_one_more_request_after_a_second(
-    ros: RclpyRos, outside: Outside
-) -> None:
+async def test_a_silent_server_gets_one_more_request_after_a_second(ros, outside):
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)
     client = ros.client("/arm", SET_BOOL)
@@ -513,9 +489,7 @@ async def test_a_silent_server_gets_one_more_request_after_a_second(
     calling.cancel()
 
 
-async def test_a_silent_server_gets_one_more_request_at_a_time(
-    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_silent_server_gets_one_more_request_at_a_time(ros, outside, monkeypatch):
     monkeypatch.setattr(endpoints, "PACING_S", 0.3)
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)

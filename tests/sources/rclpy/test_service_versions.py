@@ -64,9 +64,7 @@ async def gateway(tmp_path: Path, outside: Outside) -> AsyncIterator[Gateway]:
         "bool data\n---\nbool success\nstring<=80 message\n",
     ],
 )
-async def test_a_server_with_another_definition_is_not_called(
-    text: str, gateway: Gateway, outside: Outside, caplog: pytest.LogCaptureFixture
-):
+async def test_a_server_with_another_definition_is_not_called(text, gateway, outside, caplog):
     ros = gateway(text)
     asked: list[Any] = []
 
@@ -92,9 +90,7 @@ async def test_a_server_with_another_definition_is_not_called(
     assert asked == []
 
 
-async def test_the_same_definition_is_not_a_conflict(
-    gateway: Gateway, outside: Outside, caplog: pytest.LogCaptureFixture
-):
+async def test_the_same_definition_is_not_a_conflict(gateway, outside, caplog):
     ros = gateway(f"# words\n{SAME}")
     outside.add_service("/arm", SET_BOOL, echo)
     ros.serve("/leg", SET_BOOL, echo)
@@ -104,9 +100,7 @@ async def test_the_same_definition_is_not_a_conflict(
     assert caplog.records == []
 
 
-async def test_a_server_that_reports_no_hash_is_called(
-    gateway: Gateway, outside: Outside, monkeypatch: pytest.MonkeyPatch
-):
+async def test_a_server_that_reports_no_hash_is_called(gateway, outside, monkeypatch):
     ros = gateway("uint8 data\n---\nbool success\nstring message\n")
     with monkeypatch.context() as older:  # as ROS before Iron announces itself
         older.setattr(type_supports, "_HASH_VERSION", 0)
@@ -120,9 +114,7 @@ async def test_a_server_that_reports_no_hash_is_called(
     assert text_of(await soon(ros.client("/arm", SET_BOOL).call(request(True)))) == "got it"
 
 
-async def test_a_server_that_comes_with_the_right_definition_is_called(
-    gateway: Gateway, outside: Outside
-):
+async def test_a_server_that_comes_with_the_right_definition_is_called(gateway, outside):
     ros = gateway("int8 data\n---\nbool success\nstring message\n")
     wrong = outside.add_service("/arm", SET_BOOL, echo)
     client = ros.client("/arm", SET_BOOL)
@@ -134,9 +126,7 @@ async def test_a_server_that_comes_with_the_right_definition_is_called(
     assert text_of(await answered(client, request(True))) == "got True"
 
 
-async def test_a_caller_with_another_definition_is_told_of_in_the_log(
-    gateway: Gateway, outside: Outside, caplog: pytest.LogCaptureFixture
-):
+async def test_a_caller_with_another_definition_is_told_of_in_the_log(gateway, outside, caplog):
     caplog.set_level(logging.WARNING)
     ros = gateway("bool data\n---\nbool success\n")
     ros.serve("/arm", SET_BOOL, echo)
@@ -156,9 +146,7 @@ async def test_a_caller_with_another_definition_is_told_of_in_the_log(
         "int32 order\n---\nint32[] sequence\n---\nint64[] sequence\n",
     ],
 )
-async def test_an_action_of_which_any_part_is_another_gets_no_goals(
-    text: str, gateway: Gateway, outside: Outside, caplog: pytest.LogCaptureFixture
-):
+async def test_an_action_of_which_any_part_is_another_gets_no_goals(text, gateway, outside, caplog):
     ros = gateway(text)
     asked: list[Any] = []
     outside.add_action_server("/dock", FIBONACCI, asked.append, ignore)

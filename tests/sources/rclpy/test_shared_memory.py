@@ -69,9 +69,7 @@ def test_a_participant_that_has_just_begun_keeps_its_segment(tmp_path: Path):
     assert beginning.exists()
 
 
-def test_the_segment_of_another_user_stays(
-    tmp_path: Path, segment: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_the_segment_of_another_user_stays(tmp_path, segment, monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: segment.stat().st_uid + 1)
     assert remove_abandoned_segments(tmp_path) == 0
     assert segment.exists()
@@ -103,9 +101,7 @@ def test_the_log_is_complete_after_a_time_without_shared_memory(tmp_path: Path):
     assert re.findall("said .*", file.read_text()) == ["said meanwhile", "said later"]
 
 
-def test_ros_is_not_started_where_there_is_no_room_at_all(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_ros_is_not_started_where_there_is_no_room_at_all(tmp_path, monkeypatch):
     found = os.statvfs(tmp_path)
     fields = list(found)
     fields[4] = (NEEDED_BYTES - 1) // found.f_frsize  # f_bavail

@@ -78,9 +78,7 @@ class Subscription:
         self.take()
 
 
-async def test_a_ready_source_is_not_waited_for_until_it_is_taken(
-    node: Node, events: WaitSetReadyEvents
-) -> None:
+async def test_a_ready_source_is_not_waited_for_until_it_is_taken(node, events):
     subscription = Subscription(node, events)
     await subscription.is_matched()
 
@@ -97,9 +95,7 @@ async def test_a_ready_source_is_not_waited_for_until_it_is_taken(
     subscription.source.close()
 
 
-async def test_a_source_that_is_not_taken_is_reported_again(
-    node: Node, events: WaitSetReadyEvents
-) -> None:
+async def test_a_source_that_is_not_taken_is_reported_again(node, events):
     subscription = Subscription(node, events)
     await subscription.is_matched()
     subscription.on_ready = lambda: None  # type: ignore[method-assign]
@@ -108,9 +104,7 @@ async def test_a_source_that_is_not_taken_is_reported_again(
     subscription.source.close()
 
 
-async def test_another_call_comes_in_the_next_turn_and_is_not_waited_for(
-    node: Node, events: WaitSetReadyEvents
-) -> None:
+async def test_another_call_comes_in_the_next_turn_and_is_not_waited_for(node, events):
     turns: list[int] = []
 
     def on_ready() -> None:
@@ -133,9 +127,7 @@ async def test_another_call_comes_in_the_next_turn_and_is_not_waited_for(
     assert turns == sorted(set(turns))
 
 
-async def test_a_handling_that_raises_is_tried_again_after_100_ms(
-    node: Node, events: WaitSetReadyEvents, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_handling_that_raises_is_tried_again_after_100_ms(node, events, monkeypatch):
     def fail() -> None:
         raise LookupError
 
@@ -170,9 +162,7 @@ async def test_nothing_is_told_of_what_is_closed(node: Node, events: WaitSetRead
     assert not events._awaited
 
 
-async def test_closing_waits_a_second_at_most_for_the_thread_to_let_go(
-    node: Node, events: WaitSetReadyEvents, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_closing_waits_a_second_at_most_for_the_thread_to_let_go(node, events, monkeypatch):
     waits_s: list[float | None] = []
 
     class LetGo(threading.Event):
@@ -186,12 +176,7 @@ async def test_closing_waits_a_second_at_most_for_the_thread_to_let_go(
     assert [wait_s for wait_s in waits_s if wait_s is not None] == [1.0]
 
 
-async def test_a_wait_that_fails_is_tried_again_a_second_later(
-    node: Node,
-    events: WaitSetReadyEvents,
-    monkeypatch: pytest.MonkeyPatch,
-    caplog: pytest.LogCaptureFixture,
-) -> None:
+async def test_a_wait_that_fails_is_tried_again_a_second_later(node, events, monkeypatch, caplog):
     pauses_s: list[float | None] = []
 
     class Stopping(threading.Event):
@@ -219,9 +204,7 @@ async def test_a_wait_that_fails_is_tried_again_a_second_later(
     subscription.source.close()
 
 
-async def test_if_ros_has_ended_the_thread_ends_with_a_fault(
-    node: Node, events: WaitSetReadyEvents, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_if_ros_has_ended_the_thread_ends_with_a_fault(node, events, monkeypatch):
     def fail(entities: object) -> Sequence[int]:
         raise RuntimeError("the context is not valid")
 

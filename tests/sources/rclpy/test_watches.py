@@ -12,9 +12,7 @@ async def clock(monkeypatch: pytest.MonkeyPatch) -> StoppedClock:
     return StoppedClock(monkeypatch)
 
 
-async def test_changes_are_told_together_a_tenth_of_a_second_after_the_first(
-    clock: StoppedClock,
-) -> None:
+async def test_changes_are_told_together_a_tenth_of_a_second_after_the_first(clock):
     watches = GraphWatches(asyncio.get_running_loop())
     told: list[str] = []
     for name in ("one", "other"):

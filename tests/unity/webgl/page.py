@@ -31,8 +31,6 @@ class Page:
     async def call(self, name: str, *arguments: object) -> tuple[int, bytes]:
         """Call one of the library's functions. Bytes go in by pointer, a bytearray comes out."""
         words = [name, *map(_word, arguments)]
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
         self.process.stdin.write(" ".join(words).encode() + b"\n")
         async with asyncio.timeout(TIMEOUT_S):
             await self.process.stdin.drain()
@@ -109,7 +107,6 @@ async def page(kind: str = "") -> AsyncIterator[Page]:
     try:
         yield Page(process)
     finally:
-        assert process.stdin is not None
         process.stdin.close()
         async with asyncio.timeout(TIMEOUT_S):
             await process.wait()
