@@ -76,7 +76,6 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 	$(BIN)/python -m schemas.generate
 	$(BIN)/python -m tools.unity_scenes
 	$(BIN)/python -m tools.unity_metas
-	@page=$$($(BIN)/python -m tools.mutants --page) && printf '%s\n' "$$page" > docs/contributing/mutants.md
 	$(BIN)/python -m tools.reference_pages
 	@$(BIN)/python tools/check_words.py --update
 
@@ -100,7 +99,7 @@ fuzz: $(READY_FOR_FUZZING) ## feed random input to parsers, codecs, and a gatewa
 soak: $(READY_FOR_TESTS) ## load, kill, and abuse the gateway, and check that nothing grows (make soak MINUTES=20)
 	@$(BIN)/python -m tests.soak $(or $(MINUTES),20) $(ARGS)
 
-mutants: $(READY_FOR_TESTS) ## break lines on purpose, and check that tests notice (make mutants WHAT=codec)
+mutants: $(READY_FOR_TESTS) ## make small mistakes in a copy of the code, and check that tests notice (make mutants WHAT=gateway/drive)
 	@$(BIN)/python -m tests.interfaces
 	@$(BIN)/python -m tools.mutants $(WHAT) $(ARGS)
 

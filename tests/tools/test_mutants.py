@@ -1,92 +1,180 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tool that breaks lines on purpose, and its list."""
+"""The tool that breaks code on purpose: its rules, its runs, and its waivers."""
 
+import random
+import re
 import subprocess
-from dataclasses import replace
 
 import pytest
 
-from tools.mutants.__main__ import MIN_KILLED, Fate, Trial, run, verdict
-from tools.mutants.mutant import ROOT, Mutant, MutantError, load, page
+from tools.mutants.__main__ import MIN_KILLED, MutantError, Trial, run, verdict
+from tools.mutants.rules import EVERYWHERE, IN_SAFETY, mutants_of
+from tools.mutants.selection import (
+    ELSEWHERE,
+    ROOT,
+    SAFETY,
+    all_mutants,
+    select,
+    stages_of,
+    waivers,
+)
 
-SOURCE = "LIMIT = 3\n\n\ndef is_allowed(count):\n    return count <= LIMIT\n"
+RULES = EVERYWHERE | IN_SAFETY
+DOUBLE = "number (4 * 2 + 1)"
+SOURCE = """\
+LIMIT = 3
+MAX_COUNT: Final = 3
+
+
+def is_allowed(count):
+    return count <= LIMIT
+
+
+def is_wide(count):
+    return count + 2 > 5
+"""
 TEST = "import thing\n\n\ndef test_three_are_allowed():\n    assert thing.is_allowed(3)\n"
 
-KILLED = Mutant("thing.py", "three are allowed", "<= LIMIT", "< LIMIT", ("tests/test_thing.py",))
-SURVIVOR = replace(KILLED, rule="four are not", old="LIMIT = 3", new="LIMIT = 4")
+
+@pytest.fixture(scope="module")
+def everything():
+    return list(all_mutants())
+
+
+@pytest.mark.parametrize(
+    ("line", "made"),
+    [
+        ("MAX: Final = 64", {"bound 128", "bound 32"}),
+        ("SHARE: Final[float] = 0.5", {"bound 1.0", "bound 0.25"}),
+        ("A_BYTES: Final = 4 * MIB", {"bound (4 * MIB) * 2", "bound (4 * MIB) // 2", DOUBLE}),
+        ("DUE_S = FAST_S / 4", {"bound (FAST_S / 4) * 2", "bound (FAST_S / 4) / 2", DOUBLE}),
+        ("most: Count = Field(8, description='')", {"bound 16", "bound 4"}),
+        ("FIRST: Final = 0", set()),
+        ("OTHER: Final = MAX", set()),
+        ("n <= MAX", {"limit n < MAX"}),
+        ("0 < n <= m", {"off_by_one 0 <= n <= m", "off_by_one 0 < n < m"}),
+        ("a is None", {"opposite a is not None"}),
+        ("a not in b", {"opposite a in b"}),
+        ("min(a, b)", {"extreme max", "call None"}),
+        ("x = a / 4", {DOUBLE}),
+        ("x = a + b", {"sign a - b"}),
+        ("x = a + 'b'", set()),
+        ("if a: raise B", {"refusal False"}),
+        ("def f():\n    if a: return", {"early_end False"}),
+        ("if a: return_it = a\nelse: raise B", set()),
+        ("x = a and b and c", {"operand (a and b)", "operand (a and c)", "operand (b and c)"}),
+        ("x = not (a or b)", {"negation (a or b)", "operand (a)", "operand (b)"}),
+        ("x = f(True)", {"flag False"}),
+        ("await stop()", {"call None"}),
+        ("logger.info('%d', 1 < 2)", set()),
+        ("assert a is None", set()),
+        ("@dataclass(frozen=True)\nclass A: pass", set()),
+    ],
+)  # fmt: skip
+def test_each_rule_breaks_what_it_is_for(line, made):
+    source = line.encode()
+    mutants = list(mutants_of("gateway/x.py", source, RULES))
+    assert {f"{mutant.rule} {mutant.new}" for mutant in mutants} == made
+    assert all(mutant.broken(source) != source for mutant in mutants)
+
+
+def test_a_part_is_replaced_where_it_is_and_named_by_its_function():
+    source = "x = 'ä'\nclass A:\n    def f(self):\n        return 'ä' if a \\\n  <= b else 0\n"
+    [mutant] = mutants_of("gateway/x.py", source.encode(), RULES)
+    assert mutant.name == "gateway/x.py A.f: a <= b -> a < b"
+    assert mutant.broken(source.encode()).decode() == source.replace("a \\\n  <= b", "a < b")
+
+
+def test_all_rules_are_used_and_what_they_make_is_python(everything):
+    assert {mutant.rule for mutant in everything} == RULES.keys()
+    for mutant in random.Random(1).sample(everything, 100):
+        compile(mutant.broken((ROOT / mutant.file).read_bytes()), mutant.file, "exec")
+
+
+def test_rules_of_safety_are_for_files_that_move_a_robot(everything):
+    strict = {mutant.file for mutant in everything if mutant.rule in IN_SAFETY}
+    assert all(file.startswith(SAFETY) for file in strict)
+    assert all(any(file.startswith(path) for file in strict) for path in SAFETY)
+
+
+def test_each_waiver_is_of_a_mutant(everything):
+    unknown = waivers().keys() - {mutant.name for mutant in everything}
+    advice = "no rule makes these mutants: remove them from tools/mutants/waivers.toml"
+    assert not unknown, "\n".join([advice, *sorted(unknown)])
+
+
+def test_a_sample_is_the_same_for_the_same_seed(everything):
+    chosen = select(everything, ["gateway/drive"], ["bound", "limit"], 9, 3)
+    assert len(set(chosen)) == 9
+    assert chosen == select(everything, ["gateway/drive"], ["bound", "limit"], 9, 3)
+    assert chosen != select(everything, ["gateway/drive"], ["bound", "limit"], 9, 4)
+    assert {mutant.rule for mutant in chosen} <= {"bound", "limit"}
+    assert all(mutant.file.startswith("gateway/drive/") for mutant in chosen)
+
+
+def test_the_nearest_tests_come_first_and_none_twice(everything):
+    assert stages_of("gateway/core/outbox.py")[0] == ["tests/core/test_outbox.py"]
+    assert "tests/drive/test_drive.py" in stages_of("gateway/drive/burst.py")[0]  # has no mirror
+    for file in {mutant.file for mutant in everything}:
+        tests = [test for stage in stages_of(file) for test in stage]
+        assert tests, file
+        assert len(tests) == len(set(tests))
+
+
+def test_the_table_of_other_tests_names_files():
+    paths = [path.rstrip("/") for path in (*ELSEWHERE, *sum(ELSEWHERE.values(), ()))]
+    assert [path for path in paths if not list(ROOT.glob(f"{path}*"))] == []
+
+
+def test_the_page_describes_each_rule():
+    page = (ROOT / "docs/contributing/mutants.md").read_text()
+    assert dict(re.findall(r"^\| `(\w+)` \| (.*?) \|$", page, re.MULTILINE)) == {
+        rule: effect[0].upper() + effect[1:] for rule, effect in RULES.items()
+    }
 
 
 @pytest.fixture
 def tree(tmp_path):
-    (tmp_path / "tests").mkdir()
-    (tmp_path / "thing.py").write_text(SOURCE)
-    (tmp_path / "tests/test_thing.py").write_text(TEST)
+    folder = tmp_path / "tests/tools"
+    folder.mkdir(parents=True)
+    (tmp_path / "tools").mkdir()
+    (tmp_path / "thing.py").write_text("from tools.thing import *\n")
+    (tmp_path / "tools/thing.py").write_text(SOURCE.replace(": Final", ""))
+    (folder / "test_thing.py").write_text(TEST)
     subprocess.run(["git", "init", "--quiet"], cwd=tmp_path, check=True)
     return tmp_path
 
 
+def trials(tree, lines):
+    source = (tree / "tools/thing.py").read_bytes()
+    mutants = list(mutants_of("tools/thing.py", source, {"limit": "", "number": ""}))
+    return run(mutants, 1, tree, lines.append)
+
+
 def test_a_mutant_that_a_test_notices_is_killed_and_one_that_none_notices_survives(tree):
+    before = {path: path.read_bytes() for path in tree.rglob("*.py")}
     lines = []
-    trials = run([KILLED, SURVIVOR], 1, tree, lines.append)
-    assert [outcome.fate for outcome in trials] == [Fate.KILLED, Fate.SURVIVED]
-    assert "[2/2] SURVIVED  thing.py: four are not" in lines[-1]
-    assert (tree / "thing.py").read_text() == SOURCE
-    assert (tree / "tests/test_thing.py").read_text() == TEST
-
-
-@pytest.mark.parametrize(
-    ("source", "count"), [(SOURCE.replace("<=", "<"), 0), (SOURCE + "# <= LIMIT\n", 2)]
-)
-def test_a_line_that_has_changed_is_named(tree, source, count):
-    (tree / "thing.py").write_text(source)
-    with pytest.raises(MutantError, match=rf"thing.py: three .* update the list: .* {count} times"):
-        run([KILLED], 1, tree)
-
-
-def test_a_broken_line_must_be_python(tree):
-    with pytest.raises(MutantError, match=r"^thing\.py: three are allowed: invalid"):
-        run([replace(KILLED, new="<= <=")], 1, tree)
+    assert [trial.killer for trial in trials(tree, lines)] == ["tests/tools/test_thing.py", None]
+    assert "[1/2] limit: tools/thing.py is_allowed: count <= LIMIT -> count < LIMIT" in lines[0]
+    assert "SURVIVED" in lines[1]
+    assert {path: path.read_bytes() for path in tree.rglob("*.py")} == before
 
 
 def test_tests_that_fail_without_a_mutant_kill_none(tree):
-    (tree / "tests/test_thing.py").write_text(TEST.replace("(3)", "(4)"))
+    (tree / "tests/tools/test_thing.py").write_text(TEST.replace("(3)", "(4)"))
     with pytest.raises(MutantError, match=r"test_thing\.py fails without any mutant"):
-        run([KILLED], 1, tree)
+        trials(tree, [])
 
 
-@pytest.mark.parametrize(
-    ("survivors", "why", "is_good"),
-    [(0, None, True), (1, None, False), (1, "a reason", True), (3, "a reason", False)],
-)
-def test_enough_must_be_killed_and_each_survivor_have_a_reason(survivors, why, is_good):
-    killed = Trial(KILLED, Fate.KILLED, 1.0)
-    survived = Trial(replace(SURVIVOR, survives=why), Fate.SURVIVED, 1.0)
+@pytest.mark.parametrize("survivors", [0, 1, 2, 3])
+def test_enough_must_be_killed_and_survivors_are_shown_as_a_diff(tree, survivors):
+    source = (tree / "tools/thing.py").read_bytes()
+    [mutant] = mutants_of("tools/thing.py", source, {"limit": ""})
+    killers = [None] * survivors + ["tests/tools/test_thing.py"] * (20 - survivors)
     lines = []
-    trials = [killed] * (20 - survivors) + [survived] * survivors
-    assert verdict(trials, lines.append) is is_good
-    share = 100 - 5 * survivors
-    assert lines[-1].strip() == (
-        f"20 mutants, {20 - survivors} killed ({share} %), {survivors} survive"
-    )
-
-
-def test_the_list_fits_the_code():
-    for mutant in load():
-        mutant.broken(ROOT)
-
-
-def test_the_page_tells_of_the_list_and_its_survivors():
-    expected = page(load(), MIN_KILLED)
-    assert (ROOT / "docs/contributing/mutants.md").read_text() == expected, "run make docs"
-
-
-def test_an_entry_that_is_incomplete_or_names_no_test_is_refused(tmp_path):
-    table = tmp_path / "some.toml"
-    for entry, reason in (
-        ('rule = "r"\nold = "a"\n', r"missing \['new'\]"),
-        ('rule = "r"\nold = "a"\nnew = "a"\n', "nothing is broken"),
-        ('rule = "r"\nold = "a"\nnew = "b"\n', "there is no tests/core/test_nothing.py"),
-    ):
-        table.write_text(f'[["gateway/core/nothing.py"]]\n{entry}')
-        with pytest.raises(MutantError, match=reason):
-            load([table])
+    is_good = verdict([Trial(mutant, killer, 1.0) for killer in killers], tree, lines.append)
+    assert is_good is (20 - survivors >= 20 * MIN_KILLED)
+    words = f"all 20 mutants {20 - survivors} killed {100 - 5 * survivors}%"
+    assert " ".join(lines[-1].split()) == words
+    change = "\n-    return count <= LIMIT\n+    return count < LIMIT\n"
+    assert sum(change in line for line in lines) == survivors

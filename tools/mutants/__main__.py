@@ -1,52 +1,52 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run the tests against each mutant, for `make mutants`."""
+"""Break the code by rules, one mutant at a time, and check that tests notice.
+
+See docs/contributing/mutants.md.
+"""
 
 import argparse
 import compileall
 import contextlib
+import difflib
 import os
 import py_compile
 import queue
+import re
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from enum import Enum
 from functools import partial
 from pathlib import Path
 from typing import Final
 
-from tools.mutants.mutant import ROOT, Mutant, MutantError, load, page
+from tools.mutants.rules import EVERYWHERE, IN_SAFETY, Mutant
+from tools.mutants.selection import ROOT, all_mutants, select, stages_of, waivers
 
 MIN_KILLED: Final = 0.92
-# The slowest tests of one mutant take a minute. Beyond this they hang, and the mutant is noticed.
-TIMEOUT_S: Final = 300
+# One group of tests takes three minutes. Beyond this time it hangs, and the mutant is noticed.
+TIMEOUT_S: Final = 600
 TEST_TIMEOUT_S: Final = 60
 
-_PACKAGES: Final = ("gateway", "gateway_sim", "schemas")
-# exit codes of pytest: tests passed, failed, or could not be imported
-_PASSED, _FAILED, _INTERRUPTED = 0, 1, 2
+_FAILED_TEST: Final = re.compile(r"^(?:FAILED|ERROR) ([^\s:]+)", re.MULTILINE)
 
 
-class Fate(Enum):
-    """The end of a mutant."""
-
-    KILLED = "killed"
-    TIMED_OUT = "timed out"  # counts as killed
-    SURVIVED = "SURVIVED"
+class MutantError(Exception):
+    """Raised when the tests cannot judge a mutant. The text says which and why."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A mutant, what became of it, and in how many seconds."""
+    """A mutant, the file of tests that noticed it, if any did, and the seconds that it took."""
 
     mutant: Mutant
-    fate: Fate
+    killer: str | None
     took_s: float
 
 
@@ -54,29 +54,40 @@ class Copies:
     """Copies of the tree, each for one run of tests at a time. The tree itself is not touched."""
 
     def __init__(self, root: Path, folder: Path, count: int) -> None:
+        self._root = root
         self._free: queue.Queue[Path] = queue.Queue()
+        self._good: dict[str, bool] = {}  # whether tests pass without any mutant
         for number in range(count):
             self._free.put(_copy(root, folder / str(number)))
 
-    def run(self, tests: Sequence[str], mutant: Mutant | None = None) -> tuple[int | None, str]:
-        """Run tests, with a line broken. Return pytest's exit code, None for a timeout, and text.
+    def try_out(self, mutant: Mutant) -> Trial:
+        """Run the tests of a mutant, the nearest first, until a test fails.
 
         Raises:
-            MutantError: the mutant's line has changed.
+            MutantError: a test fails without any mutant.
         """
+        started_s = time.monotonic()
         copy = self._free.get()
+        path = copy / mutant.file
+        whole = path.read_bytes()
         try:
-            if mutant is None:
-                return _pytest(copy, tests)
-            path = copy / mutant.file
-            whole = path.read_text()
-            path.write_text(mutant.broken(copy))
-            try:
-                return _pytest(copy, tests)
-            finally:
-                path.write_text(whole)
+            for tests in stages_of(mutant.file, self._root):
+                path.write_bytes(mutant.broken(whole))
+                killer = _run(copy, tests)
+                path.write_bytes(whole)
+                if killer is not None:
+                    self._check(copy, killer)
+                    return Trial(mutant, killer, time.monotonic() - started_s)
         finally:
+            path.write_bytes(whole)
             self._free.put(copy)
+        return Trial(mutant, None, time.monotonic() - started_s)
+
+    def _check(self, copy: Path, tests: str) -> None:
+        if tests not in self._good:  # at the second time a busy machine is not to blame
+            self._good[tests] = any(_run(copy, tests.split()) is None for _ in range(2))
+        if not self._good[tests]:
+            raise MutantError(f"{tests} fails without any mutant: repair it, then run again")
 
 
 def run(
@@ -88,71 +99,47 @@ def run(
     """Try all mutants and return the trials in the list's order.
 
     Raises:
-        MutantError: a line has changed, or tests fail without any mutant.
+        MutantError: tests fail without any mutant.
     """
-    for mutant in mutants:
-        mutant.broken(root)
     with (
         tempfile.TemporaryDirectory(prefix="mutants-") as folder,
         ThreadPoolExecutor(jobs) as pool,
     ):
         copies = Copies(root, Path(folder), jobs)
-        paths = sorted({test.partition("::")[0] for mutant in mutants for test in mutant.tests})
-        report(f"{len(mutants)} mutants, first their tests without any: {len(paths)} files")
+        tries = [pool.submit(copies.try_out, mutant) for mutant in mutants]
         try:
-            for checked in as_completed([pool.submit(_check, copies, path) for path in paths]):
-                checked.result()
-            tries = [pool.submit(_try, copies, mutant) for mutant in mutants]
             for done, tried in enumerate(as_completed(tries), start=1):
-                outcome = tried.result()
-                mutant, fate = outcome.mutant, outcome.fate.value
-                progress = f"[{done:{len(str(len(mutants)))}}/{len(mutants)}] {fate:9}"
-                report(f"{progress} {mutant.file}: {mutant.rule} ({outcome.took_s:.0f} s)")
+                trial = tried.result()
+                fate = "SURVIVED" if trial.killer is None else f"killed by {trial.killer}"
+                number = f"[{done:{len(str(len(mutants)))}}/{len(mutants)}]"
+                mutant = trial.mutant
+                report(f"{number} {mutant.rule}: {mutant.name}: {fate} ({trial.took_s:.0f} s)")
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
         return [tried.result() for tried in tries]
 
 
-def verdict(trials: Sequence[Trial], report: Callable[[str], None] = print) -> bool:
-    """Report survivors and sum. Return whether enough are killed, and the rest explained."""
-    survivors = [outcome.mutant for outcome in trials if outcome.fate is Fate.SURVIVED]
+def verdict(
+    trials: Sequence[Trial], root: Path = ROOT, report: Callable[[str], None] = print
+) -> bool:
+    """Report survivors as a diff, and the share of each room. Return whether enough are killed."""
+    survivors = [trial.mutant for trial in trials if trial.killer is None]
     for mutant in survivors:
-        why = mutant.survives or "NO REASON GIVEN: write a test, or why none can tell"
-        report(f"\n{mutant.file}: {mutant.rule}\n- {mutant.old}\n+ {mutant.new}\n  {why}")
-    for outcome in trials:
-        mutant = outcome.mutant
-        if mutant.survives is not None and outcome.fate is not Fate.SURVIVED:
-            report(f"\n{mutant.file}: {mutant.rule}\n  is listed as a survivor and was noticed")
-    killed = len(trials) - len(survivors)
-    share = killed / len(trials) if trials else 1.0
-    report(
-        f"\n{len(trials)} mutants, {killed} killed ({int(share * 100)} %), {len(survivors)} survive"
-    )
-    return share >= MIN_KILLED and all(mutant.survives is not None for mutant in survivors)
+        whole = (root / mutant.file).read_bytes()
+        texts = (text.decode().splitlines() for text in (whole, mutant.broken(whole)))
+        places = f"a/{mutant.file}", f"b/{mutant.file}"
+        report("\n".join(["", *difflib.unified_diff(*texts, *places, n=2, lineterm="")]))
+    tried = Counter(_room(trial.mutant) for trial in trials)
+    survived = Counter(map(_room, survivors))
+    for room, count in [*sorted(tried.items()), ("all", len(trials))]:
+        killed = count - (survived[room] if room != "all" else len(survivors))
+        report(f"{room:30} {count:5} mutants {killed:5} killed {killed / count:5.0%}")
+    return len(trials) - len(survivors) >= MIN_KILLED * len(trials)
 
 
-def _try(copies: Copies, mutant: Mutant) -> Trial:
-    started_s = time.monotonic()
-    code, output = copies.run(mutant.tests, mutant)
-    match code:
-        case None:
-            fate = Fate.TIMED_OUT
-        case int() if code == _PASSED:
-            fate = Fate.SURVIVED
-        case int() if code in {_FAILED, _INTERRUPTED} or code < 0:  # by a signal: it crashed
-            fate = Fate.KILLED
-        case _:
-            raise MutantError(f"{mutant.file}: {mutant.rule}: pytest ended with {code}\n{output}")
-    return Trial(mutant, fate, time.monotonic() - started_s)
-
-
-def _check(copies: Copies, path: str) -> None:
-    code, output = copies.run([path])
-    if code != _PASSED:  # once more: a busy machine may be to blame
-        code, output = copies.run([path])
-    if code != _PASSED:
-        raise MutantError(f"{path} fails without any mutant\n{output}")
+def _room(mutant: Mutant) -> str:
+    return "/".join(mutant.file.split("/")[:2])
 
 
 def _copy(root: Path, copy: Path) -> Path:
@@ -170,17 +157,21 @@ def _copy(root: Path, copy: Path) -> Path:
     for name in (".venv", ".cache"):  # installed and built by `make`
         if (root / name).exists():
             (copy / name).symlink_to((root / name).resolve())
-    for package in filter(lambda package: (copy / package).exists(), _PACKAGES):
-        # By default bytecode is told to be stale by time and size, which mutants may share.
-        compileall.compile_dir(
-            copy / package, quiet=1, invalidation_mode=py_compile.PycInvalidationMode.CHECKED_HASH
-        )
+    # By default bytecode is told to be stale by time and size, which mutants may share.
+    checked = py_compile.PycInvalidationMode.CHECKED_HASH
+    for package in filter(Path.is_dir, (copy / "gateway", copy / "gateway_sim", copy / "schemas")):
+        compileall.compile_dir(package, quiet=1, invalidation_mode=checked)
     return copy
 
 
-def _pytest(copy: Path, tests: Sequence[str]) -> tuple[int | None, str]:
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
-    command += [f"--timeout={TEST_TIMEOUT_S}", *tests]
+def _run(copy: Path, tests: Sequence[str]) -> str | None:
+    """Run tests, and return the file of the one that failed, or all if they hang or crash.
+
+    Raises:
+        MutantError: pytest could not run them.
+    """
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "-p", "no:cacheprovider"]
+    command += ["-m", "not long", f"--timeout={TEST_TIMEOUT_S}", *tests]
     # before the working tree, which is installed as an editable package
     environment = {**os.environ, "PYTHONPATH": str(copy)}
     with subprocess.Popen(
@@ -190,31 +181,37 @@ def _pytest(copy: Path, tests: Sequence[str]) -> tuple[int | None, str]:
         try:
             output, _ = process.communicate(timeout=TIMEOUT_S)
         except subprocess.TimeoutExpired:
-            output = None
+            return " ".join(tests)
         finally:
             with contextlib.suppress(ProcessLookupError):  # with all that the tests started
                 os.killpg(process.pid, signal.SIGKILL)
-    return (None, "") if output is None else (process.returncode, output)
+    if process.returncode in {0, 5}:  # passed, or all of them are long
+        return None
+    if process.returncode > 2:  # it could not run
+        raise MutantError(f"pytest ended with {process.returncode}\n{output}")
+    failed = _FAILED_TEST.search(output)
+    return failed[1] if failed else " ".join(tests)
 
 
 def main() -> int:
     """Run the command line. See `--help`."""
     parser = argparse.ArgumentParser(prog="python -m tools.mutants", description=__doc__)
-    parser.add_argument("what", nargs="*", help="only files or rules with one of these words")
+    parser.add_argument("what", nargs="*", help="only files and functions with one of these words")
+    parser.add_argument("--rule", action="append", default=[], choices=[*EVERYWHERE, *IN_SAFETY])
+    parser.add_argument("--sample", type=int, default=0, help="try only so many, chosen at random")
+    parser.add_argument("--seed", type=int, default=0, help="of the sample")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="runs at once")
-    parser.add_argument(
-        "--page", action="store_true", help="print the page of mutants, run nothing"
-    )
+    parser.add_argument("--list", action="store_true", help="print the mutants, run nothing")
     arguments = parser.parse_args()
-    words = arguments.what
+    excused = waivers()
+    mutants = [mutant for mutant in all_mutants() if mutant.name not in excused]
+    chosen = select(mutants, arguments.what, arguments.rule, arguments.sample, arguments.seed)
+    print(f"{len(chosen)} of {len(mutants)} mutants, {len(excused)} more are waived", flush=True)
+    if arguments.list:
+        print("\n".join(f"{mutant.rule}: {mutant.name}" for mutant in chosen))
+        return 0
     try:
-        mutants = load()
-        if arguments.page:
-            print(page(mutants, MIN_KILLED), end="")
-            return 0
-        if words:
-            mutants = [m for m in mutants if any(word in f"{m.file}: {m.rule}" for word in words)]
-        is_good = verdict(run(mutants, arguments.jobs, report=partial(print, flush=True)))
+        is_good = verdict(run(chosen, arguments.jobs, report=partial(print, flush=True)))
     except MutantError as error:
         print(f"mutants: {error}", file=sys.stderr)
         return 2
