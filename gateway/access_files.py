@@ -29,7 +29,7 @@ def read_access(config: Config) -> tuple[Posture, ssl.SSLContext | None, Authent
     tls = tls_context(config.tls)
     authentication = Authentication(Tokens(), Policy(config.access), posture.anonymous_role)
     if authentication.looks_at_tokens:
-        authentication.tokens = read_tokens(token_path(config))
+        authentication.replace(read_tokens(token_path(config)))
     return posture, tls, authentication
 
 

@@ -90,7 +90,7 @@ def _make_first(authentication: Authentication, path: Path) -> str:
     except TokenFileError as error:
         # a container with read-only files must start anyway, and stay closed
         logger.warning("%s: the new token is valid until the gateway ends", error)
-    authentication.tokens = Tokens((token,))
+    authentication.replace(Tokens((token,)))
     return text
 
 

@@ -29,6 +29,11 @@ class Authentication:
         self._anonymous_role = anonymous_role
         self._failed = FailedAttempts()
 
+    def replace(self, tokens: Tokens, policy: Policy | None = None) -> None:
+        """Use other tokens from now on, and another policy."""
+        self.tokens = tokens
+        self.policy = policy or self.policy
+
     @property
     def anonymous(self) -> Identity | None:
         """The identity of clients without a token, or ``None`` if they need one."""

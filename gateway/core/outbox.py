@@ -9,69 +9,22 @@ ones (pictures, scans, maps). The queues of each kind share their part by start-
 (Goyal, Vin and Cheng, 1996). A queue that has less to send than its share does not wait.
 """
 
-import enum
 import itertools
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from heapq import heappop, heappush
 from math import inf
-from typing import Final, Literal, Protocol, TypeAlias
+from typing import Final
 
 from gateway.codec.pieces import Piece, Pieces
-
-
-class NoFrame(enum.Enum):
-    """Why an entry has no frame to send."""
-
-    NOT_READY = "not ready"  # a worker encodes it: ask again when the session is woken
-    NOTHING = "nothing"  # it cannot be encoded, and never will be
-
-
-NOT_READY: Final[Literal[NoFrame.NOT_READY]] = NoFrame.NOT_READY
-NOTHING: Final[Literal[NoFrame.NOTHING]] = NoFrame.NOTHING
-
-Frame: TypeAlias = bytes | Pieces | Literal[NoFrame.NOT_READY, NoFrame.NOTHING]
-
-
-class Entry(Protocol):
-    """Something to be sent, encoded when its turn has come."""
-
-    @property
-    def size(self) -> int:
-        """The bytes that this entry keeps alive while it waits."""
-
-    @property
-    def is_being_encoded(self) -> bool:
-        """True while a worker encodes it: it must not be dropped any more."""
-
-    @property
-    def arrived_ns(self) -> int:
-        """The time at which DDS had it, by the system clock. 0 if it did not just come from DDS."""
-
-    def frame(self) -> Frame:
-        """Return the bytes to send, WebSocket header included, or why it has no bytes."""
-
-
-class PacedSocket(Protocol):
-    """A client's socket, for frames that need not wait. See `gateway.transport.pacing`.
-
-    The caller subtracts the bytes from the room after it writes: `write` may itself leave none.
-    """
-
-    room_bytes: int
-    """The bytes that may be written now. None or fewer while the socket or the link is full."""
-
-    write: Callable[[bytes], object]
-
-
-WriteDirectly = Callable[[Entry], int]
-"""Write an entry to the socket. Return its bytes, 0 if it is not ready or the socket is busy."""
-
-OnTimed = Callable[[int], None]
-"""Take the time at which an entry arrived that was just handed to the socket."""
-
-OnSent = Callable[[int], None]
-"""Take the bytes of a frame that was just handed to the socket."""
+from gateway.core.entries import (
+    NOT_READY,
+    NOTHING,
+    Entry,
+    PacedSocket,
+    QueueOwner,
+    WriteDirectly,
+)
 
 # Of so many entries of a queue that have waited, one is timed when it is sent.
 TIMED_EVERY: Final = 16
@@ -99,18 +52,19 @@ class Queue:
         "dropped",
         "finish_bytes",
         "finish_kind",
-        "is_latched",
         "max_bytes",
-        "on_sent",
-        "on_timed",
+        "owner",
         "sent",
         "sent_bytes",
         "size",
         "waiting",
     )
 
-    def __init__(self, outbox: "Outbox", depth: int, max_bytes: int | None) -> None:
+    def __init__(
+        self, outbox: "Outbox", depth: int, max_bytes: int | None, owner: QueueOwner | None
+    ) -> None:
         self._outbox = outbox
+        self.owner = owner  # until it is closed
         self.depth = depth
         self.max_bytes = max_bytes
         self.waiting: deque[Entry] = deque()
@@ -121,10 +75,6 @@ class Queue:
         self.dropped = 0
         self.discarded = 0  # could not be encoded, or nobody wanted them any more
         self.coalesced = 0  # never came here: a throttle let a newer one pass in their place
-        self.on_timed: OnTimed | None = None  # gets one in `TIMED_EVERY` of what has waited
-        # whether its topic says each thing once: then no entry stands for an older one
-        self.is_latched: Callable[[], bool] = lambda: False
-        self.on_sent: OnSent | None = None  # gets all of what has waited
         # the end of the bytes that it has sent, by the clock of this kind: start-time fair queueing
         self.finish_bytes = 0.0
         self.finish_kind: _Kind | None = None
@@ -147,7 +97,9 @@ class Queue:
         They may unless the client has asked for a length, or its topic is latched.
         """
         behind = len(self.waiting) - 1
-        if behind <= 0 or self.max_bytes is None or self.is_latched():
+        if behind <= 0 or self.max_bytes is None:
+            return 0.0
+        if self.owner is not None and self.owner.is_latched():
             return 0.0
         # frames are longer than what they are made of
         return behind * (self.sent_bytes / self.sent if self.sent else self.waiting[0].size)
@@ -196,21 +148,34 @@ class Queue:
             if frame is not NOTHING:
                 self.sent += 1
                 self.sent_bytes += len(frame)
-                if self.on_sent is not None:
-                    self.on_sent(len(frame))
-                if not self.sent % TIMED_EVERY and self.on_timed is not None:
-                    self.on_timed(entry.arrived_ns)
+                if self.owner is not None:
+                    self.owner.has_sent(len(frame))
+                    if not self.sent % TIMED_EVERY:
+                        self.owner.has_timed(entry.arrived_ns)
                 return frame
             self.discarded += 1
         return None
 
-    def clear(self) -> None:
-        """Forget everything that waits: nobody wants it any more."""
-        self.discarded += self.pending
+    def bound(self, depth: int, max_bytes: int | None) -> None:
+        """Use other bounds for what comes from now on."""
+        self.depth, self.max_bytes = depth, max_bytes
+
+    def coalesce(self, count: int) -> None:
+        """Count samples that a throttle has replaced by newer ones."""
+        self.coalesced += count
+
+    def clear(self, others: int = 0) -> None:
+        """Forget everything that waits, and *others* elsewhere: nobody wants it any more."""
+        self.discarded += self.pending + others
         self._outbox.grow(-self.size)
         self.size = 0
         self.waiting.clear()
         self.claimed = None
+
+    def close(self) -> None:
+        """Forget everything, and the owner: nothing comes any more."""
+        self.clear()
+        self.owner = None
 
     def _forget(self, entry: Entry) -> None:
         self.size -= entry.size
@@ -284,15 +249,17 @@ class Outbox:
         """Write nothing any more but what is taken."""
         self.write_directly = self.socket = None
 
-    def open_queue(self, depth: int, max_bytes: int | None) -> Queue:
+    def open_queue(
+        self, depth: int, max_bytes: int | None, owner: QueueOwner | None = None
+    ) -> Queue:
         """Add a queue."""
-        queue = Queue(self, depth, max_bytes)
+        queue = Queue(self, depth, max_bytes, owner)
         self._queues.append(queue)
         return queue
 
     def close_queue(self, queue: Queue) -> None:
         """Remove a queue with all that waits in it."""
-        queue.clear()
+        queue.close()
         self._queues.remove(queue)
         self._past_coalesced += queue.coalesced
         self._past_dropped += queue.dropped

@@ -35,7 +35,7 @@ class Session(ABC):
         self.identity = identity
         self.address = "?"
         self.client = "?"  # address and number, for logs and metrics
-        self.latency = Histogram()  # of what its topics sent, see `Queue.on_timed`
+        self.latency = Histogram()  # of what its topics sent, see `QueueOwner.has_timed`
         self.outbox = Outbox(limits.send_queue_bytes)
         self.wake = wake
         # takes what work for this client has taken from its time budget: seconds, and the time.

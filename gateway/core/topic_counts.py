@@ -37,6 +37,24 @@ class TopicCounts:
         self.delivery = NOTHING_DELIVERED
         self.latency = Histogram()
 
+    def receive(self, count: int, size: int) -> None:
+        """Count samples from ROS, and their bytes."""
+        self.received += count
+        self.received_bytes += size
+
+    def lose(self, count: int) -> None:
+        """Count samples that never came from ROS."""
+        self.lost += count
+
+    def publish(self, count: int, size: int = 0) -> None:
+        """Count what a client has published that publishes no more."""
+        self.published += count
+        self.published_bytes += size
+
+    def deliver(self, delivery: Delivery) -> None:
+        """Add what a subscription had that has ended."""
+        self.delivery = self.delivery.plus(delivery)
+
     @property
     def is_blank(self) -> bool:
         """True if nothing has passed: nobody misses it."""

@@ -253,7 +253,7 @@ class Drive:
         if not self._stop("zero", now_ns, out):
             event: LatchEvent = "fresh_zero" if command.age == "fresh" else "zero"
             out += self._latch.on(event, None, now_ns)
-            self._motion.pending = command
+            self._motion.keep(command)
 
     def _move(
         self, command: Command, claim: LeaseEvent, gap_ns: int | None, now_ns: int, out: Effects
@@ -301,7 +301,7 @@ class Drive:
             motion.on("wait")
             return
         if motion.on("send") == "drive":
-            self._zeros.left = 0
+            self._zeros.end()
         if command is not None:
             out.append(Send(command.velocity))
 

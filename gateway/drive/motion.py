@@ -143,6 +143,10 @@ class Motion:
             self.pending = None
         return action
 
+    def keep(self, zero: Command) -> None:
+        """Let a zero go out at the end of the turn."""
+        self.pending = zero
+
     def move(self, command: Command, now_ns: int) -> Effects:
         """Accept a command to move, and return what watchers hear of it."""
         action = self.on("move")

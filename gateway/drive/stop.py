@@ -23,6 +23,10 @@ class Zeros:
         self.left, self.next_ns = ZEROS, now_ns
         return self.tick(now_ns)
 
+    def end(self) -> None:
+        """Send no more: a command to move goes out."""
+        self.left = 0
+
     def tick(self, now_ns: int) -> Effects:
         """Send one if it is due."""
         if not self.left or now_ns < self.next_ns:

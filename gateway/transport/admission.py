@@ -175,8 +175,7 @@ class Admission:
         It connects again with the new permissions. Return the sessions of closed clients.
         """
         ended = []
-        self._authentication.tokens = tokens
-        self._authentication.policy = policy
+        self._authentication.replace(tokens, policy)
         for entrant, session in clients:
             before = session.identity
             if before is None:

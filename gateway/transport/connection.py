@@ -18,8 +18,8 @@ from websockets.frames import Frame, Opcode
 from websockets.http11 import Request, Response
 from websockets.protocol import CONNECTING, OPEN, Event
 
+from gateway.core.entries import Entry
 from gateway.core.errors import ProtocolError
-from gateway.core.outbox import Entry
 from gateway.core.token_bucket import TokenBucket
 from gateway.transport.acceptor import Acceptor
 from gateway.transport.batches import batch_writer
@@ -364,7 +364,7 @@ class Connection(asyncio.BufferedProtocol):
     # Outgoing
 
     def _write_directly(self, entry: Entry) -> int:
-        """Send an entry that need not wait. See `gateway.core.outbox.WriteDirectly`."""
+        """Send an entry that need not wait. See `gateway.core.entries.WriteDirectly`."""
         if self._flushing or self._pacing.is_paused:
             return 0
         try:

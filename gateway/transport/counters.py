@@ -42,6 +42,10 @@ class ServerCounters:
         """The largest lag of the last ten seconds."""
         return max(self._recent_s, default=0.0)
 
+    def began(self) -> None:
+        """Count a session."""
+        self.sessions += 1
+
     def late(self, late_s: float) -> None:
         """Count how late the loop was."""
         self.lag.observe(late_s)

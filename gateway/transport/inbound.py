@@ -85,7 +85,6 @@ class Inbound:
         self._reader = FrameReader(protocol)
         self._transport = transport
         self._spending = spending
-        spending.go_on = self.go_on
         self._unparsed = b""
         self._events: deque[Event | Callable[[], None]] = deque()
         self._ahead_bytes = 0  # of the input that was parsed since nothing waited
@@ -220,7 +219,7 @@ class Inbound:
             self._receiver.fall_behind(is_behind=self._is_behind)
         if not (may_go_on or self._is_waiting or self._is_turn_over) and self._head is None:
             self._is_waiting = True
-            self._spending.wait()
+            self._spending.wait(self.go_on)
         # a large message that is being read does not wait for the budget, because it takes memory
         if (self and not self._is_waiting) or self._can_look_ahead():
             self._spending.turns.add(self)

@@ -334,7 +334,7 @@ class Server:
         session = self._front.open(connection.flush, connection.address, identity)
         session.client = connection.name
         options.apply(session)
-        self._counters.sessions += 1
+        self._counters.began()
         self._admission.enter(connection, session, request, time.monotonic())
         return session
 

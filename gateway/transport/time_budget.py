@@ -108,7 +108,7 @@ class Spending:
         now_s = time.monotonic()
         self.own = TimeBudget(share, now_s)
         self.turns = budgets.turns
-        self.go_on: Callable[[], None] = lambda: None  # called when a wait is over
+        self.go_on: Callable[[], None] = lambda: None  # of the wait at hand
         self.spent_s = 0.0
         self.pauses = 0
         self._budgets = budgets
@@ -131,8 +131,9 @@ class Spending:
             return True
         return self._settle(now_s)
 
-    def wait(self) -> None:
-        """Call `go_on` once both budgets have something left."""
+    def wait(self, go_on: Callable[[], None]) -> None:
+        """Call *go_on* once both budgets have something left."""
+        self.go_on = go_on
         self._budgets.pauses += 1
         self._address.pauses += 1
         self.pauses += 1

@@ -3,6 +3,7 @@
 
 from collections import Counter
 from dataclasses import dataclass
+from unittest.mock import Mock
 
 import pytest
 from hypothesis import given
@@ -185,8 +186,9 @@ def test_a_length_that_a_client_has_asked_for_holds_on_a_slow_link_too():
 
 
 def test_of_what_is_said_once_nothing_is_dropped_for_being_old():
-    outbox, queue = fresh(50_000)
-    queue.is_latched = lambda: True
+    outbox = Outbox(1 << 30)
+    outbox.drains(50_000)
+    queue = outbox.open_queue(LENGTH, ROOM, Mock(is_latched=lambda: True))
     for number in range(LENGTH):
         queue.put(message(0, number))
     assert len(outbox.take(1 << 30)) == LENGTH

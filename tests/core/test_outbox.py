@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gateway.codec.pieces import Pieces
-from gateway.core.outbox import NOT_READY, NOTHING, Frame, Outbox, Queue
+from gateway.core.entries import NOT_READY, NOTHING, Frame
+from gateway.core.outbox import Outbox, Queue
 
 
 @dataclass

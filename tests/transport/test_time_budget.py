@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Time budgets, with the clock and the timers in the test's hand."""
 
+from functools import partial
+
 import pytest
 
 from gateway.transport import time_budget
@@ -13,17 +15,15 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Timers:
     return Timers(monkeypatch, time_budget)
 
 
-def greedy(budgets: TimeBudgets, clock: Timers, order: list[str], name: str) -> Spending:
-    """Open the budgets of a connection that spends 10 ms whenever it may, and notes it."""
-    spending = budgets.open("10.0.0.1")
+def wait_greedily(spending: Spending, clock: Timers, order: list[str], name: str) -> None:
+    """Have a connection spend 10 ms whenever it may, and note it."""
 
     def go_on() -> None:
         order.append(name)
         spending.spend(0.01, clock.now_s)
-        spending.wait()
+        spending.wait(go_on)
 
-    spending.go_on = go_on
-    return spending
+    spending.wait(go_on)
 
 
 def test_the_unspent_time_of_a_second_may_be_spent_at_once_and_no_more():
@@ -53,12 +53,12 @@ def test_the_whole_time_means_no_limit():
 def test_connections_of_one_address_share_a_budget_and_go_on_one_at_a_time(clock: Timers):
     budgets = TimeBudgets(0.25, 0.5)
     order: list[str] = []
-    pair = [greedy(budgets, clock, order, name) for name in "ab"]
+    pair = [budgets.open("10.0.0.1") for _ in "ab"]
     for spending in pair:
         assert spending.spend(0.24, clock.now_s)
     assert not pair[0].spend(0.03, clock.now_s)
-    for spending in pair:
-        spending.wait()
+    for spending, name in zip(pair, "ab", strict=True):
+        wait_greedily(spending, clock, order, name)
     clock.run(2)
     assert len(order) == pytest.approx(2 * 0.5 / 0.01, rel=0.05)  # half of the time
     assert order.count("a") == pytest.approx(len(order) / 2, rel=0.1)
@@ -69,13 +69,13 @@ def test_connections_of_one_address_share_a_budget_and_go_on_one_at_a_time(clock
 def test_the_waiting_client_that_has_spent_least_goes_first(clock: Timers):
     budgets = TimeBudgets(0.25, 0.5)
     order: list[str] = []
-    pair = [greedy(budgets, clock, order, name) for name in "ab"]
-    modest = greedy(budgets, clock, order, "modest")
+    pair = [budgets.open("10.0.0.1") for _ in "ab"]
+    modest = budgets.open("10.0.0.1")
     for spending in pair:
         spending.spend(0.24, clock.now_s)
     modest.spend(0.03, clock.now_s)
-    for spending in (*pair, modest):
-        spending.wait()
+    for spending, name in ((pair[0], "a"), (pair[1], "b"), (modest, "modest")):
+        wait_greedily(spending, clock, order, name)
     assert order == []
     while not order:
         clock.next_turn()
@@ -112,11 +112,11 @@ def test_a_client_behind_a_proxy_spends_the_time_of_its_address(clock: Timers):
 def test_a_connection_that_is_gone_waits_no_longer(clock: Timers):
     budgets = TimeBudgets(0.25, 0.5)
     order: list[str] = []
-    gone = [greedy(budgets, clock, order, name) for name in "ab"]
+    gone = [budgets.open("10.0.0.1") for _ in "ab"]
     gone[0].spend(0.3, clock.now_s)  # waits for its own budget, then for that of the address
-    gone[0].wait()
+    gone[0].wait(partial(order.append, "a"))
     gone[1].spend(0.22, clock.now_s)
-    gone[1].wait()
+    gone[1].wait(partial(order.append, "b"))
     for spending in gone:
         spending.close()
     clock.run(10)
@@ -165,6 +165,6 @@ def test_spent_times_and_waits_are_counted(clock: Timers):
     budgets = TimeBudgets(0.25, 0.5)
     client = budgets.open("10.0.0.1")
     client.spend(0.3, clock.now_s)
-    client.wait()
+    client.wait(lambda: None)
     assert (budgets.spent_s, budgets.pauses) == (0.3, 1)
     client.close()

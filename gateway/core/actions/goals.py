@@ -10,10 +10,11 @@ from gateway.codec.errors import CodecError
 from gateway.codec.types import ActionType
 from gateway.core.client_cache import ClientCache
 from gateway.core.deadline import Deadline
+from gateway.core.entries import NOTHING, Frame
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit
 from gateway.core.interface_types import InterfaceTypes
 from gateway.core.names import ActionName, resolve_action
-from gateway.core.outbox import NOTHING, Frame, Queue
+from gateway.core.outbox import Queue
 from gateway.core.requests import CancelActionGoal, SendActionGoal
 from gateway.core.service_clients import encode_values
 from gateway.core.session import Session

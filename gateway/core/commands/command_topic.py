@@ -168,10 +168,8 @@ class CommandTopic:
         """Take a command of a client, and answer it if it is refused."""
         now_ns = self._now_ns()
         driver = self.driver(session)
-        driver.commands += 1
-        age = driver.freshness.judge(
-            request.monotonic_ms, now_ns, round(waited_s * 1e9), is_behind=session.is_behind
-        )
+        waited_ns = round(waited_s * 1e9)
+        age = driver.judge(request, now_ns, waited_ns, is_behind=session.is_behind)
         command = Command(session, values.velocity, age, request)
         if session.is_overtaken:
             if not values.velocity.is_zero:  # else the stop has done what it asks for
@@ -391,7 +389,7 @@ class CommandTopic:
     def _forget(self, session: Session) -> None:
         driver = self.drivers.pop(session, None)
         if driver is not None:
-            self._counts.published += driver.commands
+            self._counts.publish(driver.commands)
 
     def _on_guard(self, state: GuardState) -> None:
         self._apply(self._drive.set_guard(state, self._now_ns()))

@@ -22,8 +22,8 @@ from gateway.codec.picture import cbor_picture_renderer, picture_renderer
 from gateway.codec.pieces import Piece, Pieces
 from gateway.codec.png import large_text_as_png, text_as_png
 from gateway.codec.types import MessageType
+from gateway.core.entries import NOT_READY, NOTHING, Frame, NoFrame
 from gateway.core.frames import Meta, PerClient
-from gateway.core.outbox import NOT_READY, NOTHING, Frame, NoFrame
 from gateway.core.topics.large_samples import (
     LARGE_ELEMENTS_BYTES,
     LARGE_SAMPLE_BYTES,

@@ -3,7 +3,7 @@
 
 from collections.abc import Sequence
 
-from gateway.core.outbox import Entry
+from gateway.core.entries import Entry
 from gateway.core.topics.subscription import Subscription
 
 

@@ -14,7 +14,7 @@ from typing import Final, Protocol, TypeAlias
 from gateway.codec.cdr import Cdr
 from gateway.codec.errors import CodecError
 from gateway.codec.pieces import Piece, Pieces
-from gateway.core.outbox import NOT_READY, NOTHING, Frame
+from gateway.core.entries import NOT_READY, NOTHING, Frame
 from gateway.core.topics.kept_messages import KeptMessages
 from gateway.core.topics.slices import Slices
 from gateway.sources.source import Sample

@@ -267,8 +267,7 @@ class Publications:
 
     def _close(self, topic: TopicName, known: Advertised) -> None:
         known.publisher.close()
-        known.counts.published += known.messages
-        known.counts.published_bytes += known.size
+        known.counts.publish(known.messages, known.size)
         self._counts.close(topic)
 
     def _check_type(self, topic: TopicName, known: Advertised, requested: str | int) -> None:

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 from gateway.codec.image import ImageOptions
 from gateway.codec.nonfinite import NonFinite
+from gateway.core.entries import Entry
 from gateway.core.errors import ProtocolError
 from gateway.core.frames import Framing
 from gateway.core.names import TopicName
-from gateway.core.outbox import Entry
 from gateway.core.requests import Compression, Subscribe
 from gateway.core.session import Session
 from gateway.core.topic_counts import NOTHING_DELIVERED, TopicCounts
@@ -19,7 +19,7 @@ from gateway.core.topics.picture_adaptation import PictureAdaptation
 from gateway.core.topics.subscription_options import SubscriptionOptions
 from gateway.core.topics.throttle import Throttle
 from gateway.metrics.state import Delivery
-from gateway.sources.source import Qos
+from gateway.sources.source import Qos, RosError
 
 
 class TopicKey(NamedTuple):
@@ -56,14 +56,16 @@ class Subscription:
     """
 
     __slots__ = (
+        "_adapts",
         "_counts",
         "_is_late",
+        "_last_refusal",
         "_on_step",
         "_throttle",
         "_timer",
         "adaptation",
         "is_direct",
-        "last_refusal",
+        "is_latched",
         "lost_before",
         "offered",
         "options",
@@ -98,14 +100,15 @@ class Subscription:
         self.requests = requests
         self.options = options
         self.source: Feed | None = None
-        self.last_refusal = ""  # of another source, as the client was warned
+        self.is_latched: Callable[[], bool] = _is_never  # as its topic has found out
+        self._last_refusal = ""  # of another source, as the client was warned
         self.offered = 0
         self.lost_before = 0  # samples that never came to be offered
-        self.queue = session.outbox.open_queue(*options.queue_bounds)
-        self.queue.on_timed = self._on_timed
+        self.queue = session.outbox.open_queue(*options.queue_bounds, self)
         self._counts = counts
         self.past = NOTHING_DELIVERED  # of others of this client and topic, which have ended
         self.adaptation = PictureAdaptation()
+        self._adapts = False  # its pictures are to fit the link
         self._on_step = on_step
         self._throttle = _throttle(options)
         self._timer: asyncio.TimerHandle | None = None  # while the throttle holds an entry
@@ -148,8 +151,8 @@ class Subscription:
         throttle = self._throttle
         if throttle is None or throttle.passes(now_ns):
             return self.queue.put(entry, more=more)
-        whose = publisher if self.queue.is_latched() else None
-        self.queue.coalesced += throttle.hold(entry, whose)
+        whose = publisher if self.is_latched() else None
+        self.queue.coalesce(throttle.hold(entry, whose))
         if self._timer is None:
             self._wait_for(throttle, now_ns)
         return False
@@ -166,19 +169,41 @@ class Subscription:
             self._throttle = _throttle(options)
         self.requests = requests
         self.options = options
+        self._last_refusal = ""
         self._note_frames()
-        self.queue.depth, self.queue.max_bytes = options.queue_bounds
+        self.queue.bound(*options.queue_bounds)
+
+    def wait(
+        self,
+        requests: Mapping[str | int | None, Subscribe],
+        refusal: ProtocolError | RosError | None = None,
+    ) -> None:
+        """Go on as before, because other requests cannot be met yet. Warn once of a *refusal*."""
+        self.requests = requests
+        if refusal is not None and str(refusal) != self._last_refusal:
+            self._last_refusal = str(refusal)
+            text = f"{refusal}, waiting for {self.topic_name} to change"
+            self.warn(ProtocolError(refusal.code, text))
+
+    def feed(self, source: Feed | None, is_latched: Callable[[], bool] | None = None) -> None:
+        """Note what feeds it from now on, and whether that is a latched topic."""
+        self.source = source
+        self.is_latched = is_latched or _is_never
+
+    def lose(self, count: int) -> None:
+        """Count samples that never came to be offered."""
+        self.lost_before += count
 
     def follow_link(self, *, adapts: bool) -> None:
         """Note whether the frames that are sent from now on are pictures that fit the link."""
         throttled = 0 if self._throttle is None else len(self._throttle)
         self.adaptation.stepped(self.queue.pending + throttled)
-        self.queue.on_sent = self._fit if adapts else None
+        self._adapts = adapts
 
     @property
     def follows_link(self) -> bool:
         """True while its pictures are to fit the link."""
-        return self.queue.on_sent is not None
+        return self._adapts
 
     def set_late(self, *, is_late: bool) -> None:
         """Note whether it gets retained samples, of which others have got frames long ago."""
@@ -188,10 +213,11 @@ class Subscription:
     def clear(self) -> None:
         """Deliver nothing of what has come so far."""
         self._stop_timer()
-        if self._throttle is not None:
-            self.queue.discarded += len(self._throttle)
-            self._throttle.clear()
-        self.queue.clear()
+        if self._throttle is None:
+            self.queue.clear()
+            return
+        self.queue.clear(others=len(self._throttle))
+        self._throttle.clear()
 
     def close(self, heir: "Subscription | None" = None) -> None:
         """Deliver nothing any more.
@@ -199,10 +225,9 @@ class Subscription:
         *heir* is another one of the client to the topic: the counts of both must not fall.
         """
         self.clear()
-        self.queue.on_timed = self.queue.on_sent = None
         self.session.outbox.close_queue(self.queue)
         if heir is None:
-            self._counts.delivery = self._counts.delivery.plus(self.delivery)
+            self._counts.deliver(self.delivery)
         else:
             heir.past = heir.past.plus(self.delivery)
 
@@ -215,21 +240,23 @@ class Subscription:
         """Note how long a sample took from DDS to the socket, unless it waits."""
         throttle = self._throttle
         if not self.queue.pending and not throttle:
-            self._on_timed(arrived_ns)
+            self.has_timed(arrived_ns)
 
     def _note_frames(self) -> None:
         self.shares_frames = not (self._is_late or self.options.needs_own_frames)
         # each shared frame goes out as it comes, but to ROS#, which says later what it is
         self.is_direct = self.shares_frames and self._throttle is None
 
-    def _fit(self, size: int) -> None:
+    def has_sent(self, size: int) -> None:
         """Judge by a picture that is sent whether the next ones need another size."""
+        if not self._adapts:
+            return
         bytes_per_s = self.session.outbox.bytes_per_s
         if self.adaptation.sent(size, bytes_per_s, time.monotonic_ns()):
             # now, queues and encodings are being gone through
             asyncio.get_running_loop().call_soon(self._on_step, self)
 
-    def _on_timed(self, arrived_ns: int) -> None:
+    def has_timed(self, arrived_ns: int) -> None:
         """Note how long an entry took that is handed to the socket now."""
         if arrived_ns:
             time_s = (time.time_ns() - arrived_ns) / 1e9
@@ -262,6 +289,10 @@ class Subscription:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
+
+
+def _is_never() -> bool:
+    return False
 
 
 def _throttle(options: SubscriptionOptions) -> Throttle | None:

@@ -261,15 +261,10 @@ class Subscriptions:
             if source is not None:
                 self._open(source.topic)
             self._apply(subscription, requests, options, source)
-            subscription.last_refusal = ""
         except TypeAskedError:
-            subscription.requests = requests
+            subscription.wait(requests)
         except (ProtocolError, RosError) as error:
-            subscription.requests = requests
-            if str(error) != subscription.last_refusal:
-                subscription.last_refusal = str(error)
-                text = f"{error}, waiting for {subscription.topic_name} to change"
-                subscription.warn(ProtocolError(error.code, text))
+            subscription.wait(requests, error)
 
     def _apply(
         self,
@@ -294,9 +289,11 @@ class Subscriptions:
         is_same_topic = source is not None and former is not None and source.topic == former.topic
         if not is_same_topic:
             subscription.clear()
-        if source is not None:
+        if source is None:
+            subscription.feed(None)
+        else:
             self._topics[source.topic].add(subscription, source.encoding)
-        subscription.source = source
+            subscription.feed(source, self._topics[source.topic].is_latched)
         if source is not None and not is_same_topic:
             self._topics[source.topic].welcome(subscription, source.encoding)
         if former is not None:

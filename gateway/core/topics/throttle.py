@@ -5,7 +5,7 @@ from collections import Counter, deque
 from itertools import pairwise
 from typing import Final, NamedTuple
 
-from gateway.core.outbox import Entry
+from gateway.core.entries import Entry
 
 MAX_HELD_BYTES: Final = 8 * 1024**2  # as much as waits for a socket, but always one entry
 # Of a latched topic: a robot has a dozen on /tf_static.

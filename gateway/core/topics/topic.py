@@ -55,7 +55,7 @@ class Topic:
         self.message_type = message_type
         self._ros = ros
         self._resources = resources
-        self._encoded = EncodedTopic(key.name, self._wake_all, self._is_latched, ros.now_ns)
+        self._encoded = EncodedTopic(key.name, self._wake_all, self.is_latched, ros.now_ns)
         self._counts = counts
         self._report = report
         self._encodings: dict[EncodingKey, Encoding] = {}
@@ -93,7 +93,6 @@ class Topic:
                 self._resources,
             )
         encoding.subscriptions.append(subscription)
-        subscription.queue.is_latched = self._is_latched
 
     def remove(self, subscription: Subscription, key: EncodingKey) -> None:
         """Feed a subscription no longer by the encoding of this key."""
@@ -113,7 +112,7 @@ class Topic:
         for mismatch in self._ros_subscription.incompatible:
             subscription.warn(warning(mismatch, subscription.session))
         self._faults[key].forget()
-        if self._seq and self._is_latched():
+        if self._seq and self.is_latched():
             self._join_late(subscription)
 
     def welcome_again(self, subscription: Subscription) -> None:
@@ -122,7 +121,7 @@ class Topic:
         rosbridge does so for each `subscribe`: its libraries have a second listener of a topic send
         one, and rely on it.
         """
-        if self._seq and self._is_latched():
+        if self._seq and self.is_latched():
             if subscription in self._late_joins:  # which may have delivered them already
                 self._late_joins.pop(subscription).cut_short()
             self._join_late(subscription)
@@ -141,7 +140,8 @@ class Topic:
         period_ns = (last_ns - first_ns) / (last - first)
         return 0.0 if now_ns - last_ns > max(3 * period_ns, 1e9) else 1e9 / max(period_ns, 1.0)
 
-    def _is_latched(self) -> bool:
+    def is_latched(self) -> bool:
+        """Return whether it keeps messages for late subscribers."""
         return self._ros_subscription.qos.durability == "transient_local"
 
     def _on_samples(self, samples: Sequence[Sample]) -> None:
@@ -173,8 +173,7 @@ class Topic:
                         has_waiting |= self._offer_own(
                             shared, subscription, sample.publisher, now_ns, more=more
                         )
-        self._counts.received += count
-        self._counts.received_bytes += size
+        self._counts.receive(count, size)
         if now_ns >= self._timed_ns:
             self._timed_ns = now_ns + TIMING_PERIOD_NS
             self._time(samples[0].received_ns)
@@ -185,10 +184,10 @@ class Topic:
         """Count samples that never came, and leave out their numbers."""
         new, self._lost = lost - self._lost, lost
         self._seq += new
-        self._counts.lost += new
+        self._counts.lose(new)
         for encoding in self._encodings.values():
             for subscription in encoding.subscriptions:
-                subscription.lost_before += new
+                subscription.lose(new)
 
     def _time(self, received_ns: int) -> None:
         """Note how long it has taken until some of the clients, in turn, had their frames."""
@@ -242,9 +241,9 @@ class Topic:
         if subscription.source is None:
             return
         encoding = self._encodings[subscription.source.encoding]
-        shared = SharedFrame(encoding, sample, self._seq if seq is None else seq)
         if seq is None:
-            shared.arrived_ns = 0  # long ago
+            sample = sample._replace(received_ns=0)  # long ago
+        shared = SharedFrame(encoding, sample, self._seq if seq is None else seq)
         self._offer_own(shared, subscription, sample.publisher, time.monotonic_ns(), more=True)
         subscription.session.wake()
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from gateway.codec.json import dumps
+from gateway.core.entries import NOTHING, Frame
 from gateway.core.errors import ProtocolError, over_limit
-from gateway.core.outbox import NOTHING, Frame, Queue
+from gateway.core.outbox import Queue
 from gateway.core.requests import Request
 from gateway.core.session import Session
 from gateway.core.transforms.answers import refusal, transform_stamped

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gateway.config.limits import Limits
+from gateway.core.entries import NOT_READY, NOTHING, Frame
 from gateway.core.names import TopicName
-from gateway.core.outbox import NOT_READY, NOTHING, Frame
 from gateway.core.requests import Subscribe
 from gateway.core.topic_counts import TopicCounts
 from gateway.core.topics.fan_out import write_directly

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from gateway.core.outbox import NOT_READY
+from gateway.core.entries import NOT_READY
 from gateway.core.topics.encoding import PerClientFrame, SharedFrame, WorkerEncoding
 from gateway.core.topics.subscription import EncodingKey
 from gateway.fronts.rosbridge.publish_frames import FRAMING

@@ -13,7 +13,7 @@ import pytest
 from gateway.codec.json_slices import SLICE_NUMBERS
 from gateway.codec.nonfinite import writer
 from gateway.codec.pieces import Pieces
-from gateway.core.outbox import NOT_READY
+from gateway.core.entries import NOT_READY
 from gateway.core.topics import encoding as encoding_module
 from gateway.core.topics import slices
 from gateway.core.topics.encoding import Encoding, SharedFrame
