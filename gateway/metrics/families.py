@@ -5,414 +5,195 @@ Labels have few values: open topics and clients, and closed sets of words. Users
 docs/reference/metrics.md lists them with their texts.
 """
 
-from collections.abc import Callable, Iterable, Iterator
-from typing import Final, Literal, NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from operator import attrgetter
+from typing import Any, Final, Literal, NamedTuple
 
 from gateway.metrics.histogram import Observed
-from gateway.metrics.state import ClientState, ClientTopic, Delivery, State, Summary, TopicState
+from gateway.metrics.state import State, Summary
 
 PREFIX: Final = "ros2_gateway_"
 
-Rows = Iterable[tuple[tuple[str, ...], float]]
-TimeRows = Iterable[tuple[tuple[str, ...], Observed]]
+Kind = Literal["counter", "gauge", "histogram"]
+Rows = Iterable[tuple[tuple[str, ...], float | Observed]]
 
 
 class Family(NamedTuple):
     """Values of one kind. In Prometheus' format the name of a counter ends with ``_total``."""
 
     name: str
-    kind: Literal["counter", "gauge"]
+    kind: Kind
     text: str
     rows: Callable[[State], Rows]
     labels: tuple[str, ...] = ()
 
 
-class TimeFamily(NamedTuple):
-    """A histogram of times."""
+# Each line of a table has the name of a family, the place of its value, and its text.
 
-    name: str
-    text: str
-    rows: Callable[[State], TimeRows]
-    labels: tuple[str, ...] = ()
+_GATEWAY: Final = """
+uptime_seconds              uptime_s            Time since the start.
+clients                     client_count        Connected clients, with or without a token yet.
+clients_limit               max_clients         Maximum number of clients.
+clients_unauthenticated     unauthenticated     Clients that have not sent their token.
+connections                 connections         \
+Open sockets, including handshakes and HTTP requests.
+tasks                       tasks               Tasks of the event loop.
+ros_entities                ros_entities        Open ROS entities of all kinds.
+ros_entities_limit          max_ros_entities    Maximum number of ROS entities.
+sessions_total              sessions            Clients that connected since the start.
+operations_total            totals.operations   Operations that clients sent.
+operations_refused_total    totals.refused      Operations that were answered with an error.
+operations_replaced_total   totals.replaced     \
+Published messages that a newer one replaced before they reached ROS.
+frames_sent_total           totals.frames       Frames sent to clients.
+operations_seconds_total    time_s              Time of the event loop for operations of clients.
+reading_pauses_total        pauses              \
+Pauses in reading from clients that used up their time share.
+event_loop_lag_max_seconds  max_lag_s           Largest lag of the event loop in the last 10 s.
+event_loop_lag_seconds      lag                 \
+Lag of the event loop, measured four times a second.
+guard_up                    control.guard_is_ready  1 while the guard process is ready.
+guard_losses_total          control.guard_losses    Losses of the guard process.
+"""
+_CLIENTS: Final = """
+client_operations_total           counts.operations  Operations that the client sent.
+client_operations_refused_total   counts.refused     \
+Operations of the client that were answered with an error.
+client_frames_sent_total          counts.frames      Frames sent to the client, including answers.
+client_link_bytes_per_second      link_bytes_per_s   \
+Speed of the connection. Measured only after it was too slow for the client's data.
+client_round_trip_seconds         round_trip_s       \
+Round-trip time of the latest WebSocket ping that the client answered.
+client_operations_seconds_total   time_s   Time of the event loop for operations of the client.
+client_reading_pauses_total       pauses   Pauses in reading from the client.
+client_latency_seconds            latency  \
+Time from the arrival of a message to the write of its frame, for one client.
+"""
+_ADDRESSES: Final = """
+address_operations_seconds_total  time_s   \
+Time of the event loop for operations of all clients of the address.
+address_reading_pauses_total      pauses   Pauses in reading from the clients of the address.
+"""
+_TOPICS: Final = """
+topic_received_total         received         Messages received from ROS.
+topic_received_bytes_total   received_bytes   Bytes received from ROS, as CDR.
+topic_lost_total             lost             \
+Messages that nodes published but the gateway did not get.
+topic_clients                clients          Clients that subscribe to the topic.
+topic_published_total        published        Messages that clients published.
+topic_published_bytes_total  published_bytes  Bytes that clients published, as CDR.
+topic_latency_seconds        latency          \
+Time from the arrival of a message to the write of its frame. Measured for some frames.
+"""
+_PUBLICATIONS: Final = """
+client_published_total        messages  Messages that the client published.
+client_published_bytes_total  size      Bytes that the client published, as CDR.
+"""
+_DELIVERIES: Final = """
+messages_received_total    delivery.offered     Messages offered to subscriptions
+messages_sent_total        delivery.sent        Messages written to sockets
+messages_sent_bytes_total  delivery.sent_bytes  Bytes of frames written to sockets
+messages_coalesced_total   delivery.coalesced   Messages that a throttle replaced with newer ones
+messages_dropped_total     delivery.dropped     \
+Messages dropped by a full queue, an error, or the end of a subscription
+messages_pending           delivery.pending     Messages that wait in queues and throttles
+"""
+_DRIVES: Final = """
+drive_moving   is_moving   1 while commands move the robot or a stop is being sent.
+drive_tripped  is_tripped  1 during a safety stop, which ends with a zero command.
+drive_held     is_leased   1 while a client has control.
+drive_guarded  is_guarded  1 while the guard process is ready for this topic.
+"""
 
 
-def _one(value: Callable[[Summary], float]) -> Callable[[State], Rows]:
-    return lambda state: [((), value(state.summary))]
+def _families(
+    table: str,
+    things: Callable[[State], Iterable[Any]],
+    labels: Sequence[str] = (),
+    *,
+    before: str = "",
+    after: str = "",
+) -> Iterator[Family]:
+    """Yield the families of a table, with a value for each of these *things* that has one."""
+    for line in table.strip().splitlines():
+        name, place, text = line.split(maxsplit=2)
+        name, is_counter = name.removesuffix("_total"), name.endswith("_total")
+        is_histogram = place in {"lag", "latency"}
+        kind: Kind = "histogram" if is_histogram else "counter" if is_counter else "gauge"
+        rows = _rows(things, attrgetter(place), labels)
+        yield Family(before + name, kind, text + after, rows, tuple(labels))
 
 
-def _gauge(name: str, text: str, value: Callable[[Summary], float]) -> Family:
-    return Family(name, "gauge", text, _one(value))
-
-
-def _counter(name: str, text: str, value: Callable[[Summary], float]) -> Family:
-    return Family(name, "counter", text, _one(value))
-
-
-def _of_clients(value: Callable[[ClientState], float]) -> Callable[[State], Rows]:
-    return lambda state: (((each.client,), value(each)) for each in state.summary.clients)
-
-
-def _of_clients_known(value: Callable[[ClientState], float | None]) -> Callable[[State], Rows]:
-    def rows(state: State) -> Iterator[tuple[tuple[str, ...], float]]:
-        for each in state.summary.clients:
-            if (known := value(each)) is not None:
-                yield (each.client,), known
+def _rows(
+    things: Callable[[State], Iterable[Any]],
+    value_of: Callable[[Any], float | Observed | None],
+    labels: Sequence[str],
+) -> Callable[[State], Rows]:
+    def rows(state: State) -> Iterator[tuple[tuple[str, ...], float | Observed]]:
+        for thing in things(state):
+            value = value_of(thing)
+            if value is not None:  # such as the speed of a link that was never full
+                yield tuple(getattr(thing, label) for label in labels), value
 
     return rows
 
 
-def _of_topics(value: Callable[[TopicState], float]) -> Callable[[State], Rows]:
-    return lambda state: (((each.topic,), value(each)) for each in state.traffic.topics)
+def _by_word(
+    name: str, kind: Kind, text: str, label: str, counts: Callable[[Summary], Mapping[str, int]]
+) -> Family:
+    def rows(state: State) -> Rows:
+        return (((word,), count) for word, count in counts(state.summary).items())
 
+    return Family(name, kind, text, rows, (label,))
 
-def _of_deliveries(value: Callable[[Delivery], float]) -> Callable[[State], Rows]:
-    def rows(state: State) -> Iterator[tuple[tuple[str, ...], float]]:
-        each: ClientTopic
-        for each in state.traffic.client_topics:
-            yield (each.client, each.topic), value(each.delivery)
-
-    return rows
-
-
-def _deliveries(
-    name: str,
-    kind: Literal["counter", "gauge"],
-    text: str,
-    value: Callable[[Delivery], float],
-) -> tuple[Family, Family]:
-    """Return the families of one count, per client and topic, and per topic."""
-    return (
-        Family(
-            f"client_{name}", kind, f"{text}, for one client.", _of_deliveries(value), _CLIENT_TOPIC
-        ),
-        Family(
-            f"topic_{name}",
-            kind,
-            f"{text}, for all clients.",
-            _of_topics(lambda topic: value(topic.delivery)),
-            _TOPIC,
-        ),
-    )
-
-
-_CLIENT: Final = ("client",)
-_TOPIC: Final = ("topic",)
-_CLIENT_TOPIC: Final = ("client", "topic")
 
 FAMILIES: Final[tuple[Family, ...]] = (
-    Family(
-        "info",
-        "gauge",
-        "Version of the gateway.",
-        lambda state: [((state.summary.version,), 1)],
-        ("version",),
-    ),
-    _gauge("uptime_seconds", "Time since the start.", lambda state: state.uptime_s),
-    _gauge(
-        "clients",
-        "Connected clients, with or without a token yet.",
-        lambda state: len(state.clients),
-    ),
-    _gauge("clients_limit", "Maximum number of clients.", lambda state: state.max_clients),
-    _gauge(
-        "clients_unauthenticated",
-        "Clients that have not sent their token.",
-        lambda state: state.unauthenticated,
-    ),
-    _gauge(
-        "connections",
-        "Open sockets, including handshakes and HTTP requests.",
-        lambda state: state.connections,
-    ),
-    _gauge("tasks", "Tasks of the event loop.", lambda state: state.tasks),
-    _gauge(
-        "ros_entities",
-        "Open ROS entities of all kinds.",
-        lambda state: state.entities["ros_entities"],
-    ),
-    _gauge(
-        "ros_entities_limit",
-        "Maximum number of ROS entities.",
-        lambda state: state.max_ros_entities,
-    ),
-    Family(
-        "open",
-        "gauge",
+    _by_word("info", "gauge", "Version of the gateway.", "version", lambda s: {s.version: 1}),
+    *_families(_GATEWAY, lambda state: (state.summary,)),
+    _by_word(
+        *("open", "gauge"),
         "Open subscriptions, publishers, calls, goals, and others of clients, by kind.",
-        lambda state: (
-            ((kind,), count)
-            for kind, count in state.summary.entities.items()
-            if kind not in {"clients", "ros_entities"}
-        ),
-        ("kind",),
+        "kind",
+        lambda s: {k: n for k, n in s.entities.items() if k not in {"clients", "ros_entities"}},
     ),
-    _counter("sessions", "Clients that connected since the start.", lambda state: state.sessions),
-    _counter("operations", "Operations that clients sent.", lambda state: state.totals.operations),
-    _counter(
-        "operations_refused",
-        "Operations that were answered with an error.",
-        lambda state: state.totals.refused,
+    _by_word(
+        *("handshakes_refused", "counter"),
+        *("Connections that did not become a client, by reason.", "reason"),
+        lambda s: s.handshakes_refused,
     ),
-    _counter(
-        "operations_replaced",
-        "Published messages that a newer one replaced before they reached ROS.",
-        lambda state: state.totals.replaced,
-    ),
-    _counter("frames_sent", "Frames sent to clients.", lambda state: state.totals.frames),
-    _counter(
-        "operations_seconds",
-        "Time of the event loop for operations of clients.",
-        lambda state: state.time_s,
-    ),
-    _counter(
-        "reading_pauses",
-        "Pauses in reading from clients that used up their time share.",
-        lambda state: state.pauses,
-    ),
-    _gauge(
-        "event_loop_lag_max_seconds",
-        "Largest lag of the event loop in the last 10 s.",
-        lambda state: state.max_lag_s,
+    _by_word(
+        *("authentication_failures", "counter"),
+        *("Tokens that were wrong or late, by reason.", "reason"),
+        lambda s: s.authentication_failures,
     ),
     Family(
-        "handshakes_refused",
-        "counter",
-        "Connections that did not become a client, by reason.",
-        lambda state: (((each,), n) for each, n in state.summary.handshakes_refused.items()),
-        ("reason",),
-    ),
-    Family(
-        "authentication_failures",
-        "counter",
-        "Tokens that were wrong or late, by reason.",
-        lambda state: (((each,), n) for each, n in state.summary.authentication_failures.items()),
-        ("reason",),
-    ),
-    Family(
-        "connections_ended",
-        "counter",
+        *("connections_ended", "counter"),
         "Ended connections, by who ended them, reason, and code.",
         lambda state: state.summary.ends.items(),
         ("by", "reason", "code"),
     ),
-    Family(
-        "client_operations",
-        "counter",
-        "Operations that the client sent.",
-        _of_clients(lambda client: client.counts.operations),
-        _CLIENT,
+    *_families(_CLIENTS, lambda state: state.summary.clients, ["client"]),
+    *_families(_ADDRESSES, lambda state: state.summary.addresses, ["address"]),
+    *_families(_TOPICS, lambda state: state.traffic.topics, ["topic"]),
+    *_families(_PUBLICATIONS, lambda state: state.traffic.publications, ["client", "topic"]),
+    *_families(
+        *(_DELIVERIES, lambda state: state.traffic.client_topics, ["client", "topic"]),
+        before="client_",
+        after=", for one client.",
     ),
-    Family(
-        "client_operations_refused",
-        "counter",
-        "Operations of the client that were answered with an error.",
-        _of_clients(lambda client: client.counts.refused),
-        _CLIENT,
+    *_families(
+        *(_DELIVERIES, lambda state: state.traffic.topics, ["topic"]),
+        before="topic_",
+        after=", for all clients.",
     ),
+    *_families(_DRIVES, lambda state: state.summary.control.drives, ["topic"]),
     Family(
-        "client_frames_sent",
-        "counter",
-        "Frames sent to the client, including answers.",
-        _of_clients(lambda client: client.counts.frames),
-        _CLIENT,
-    ),
-    Family(
-        "client_link_bytes_per_second",
-        "gauge",
-        "Speed of the connection. Measured only after it was too slow for the client's data.",
-        _of_clients_known(lambda client: client.link_bytes_per_s),
-        _CLIENT,
-    ),
-    Family(
-        "client_round_trip_seconds",
-        "gauge",
-        "Round-trip time of the latest WebSocket ping that the client answered.",
-        _of_clients_known(lambda client: client.round_trip_s),
-        _CLIENT,
-    ),
-    Family(
-        "client_operations_seconds",
-        "counter",
-        "Time of the event loop for operations of the client.",
-        _of_clients(lambda client: client.time_s),
-        _CLIENT,
-    ),
-    Family(
-        "client_reading_pauses",
-        "counter",
-        "Pauses in reading from the client.",
-        _of_clients(lambda client: client.pauses),
-        _CLIENT,
-    ),
-    Family(
-        "address_operations_seconds",
-        "counter",
-        "Time of the event loop for operations of all clients of the address.",
-        lambda state: (((each.address,), each.time_s) for each in state.summary.addresses),
-        ("address",),
-    ),
-    Family(
-        "address_reading_pauses",
-        "counter",
-        "Pauses in reading from the clients of the address.",
-        lambda state: (((each.address,), each.pauses) for each in state.summary.addresses),
-        ("address",),
-    ),
-    Family(
-        "topic_received",
-        "counter",
-        "Messages received from ROS.",
-        _of_topics(lambda topic: topic.received),
-        _TOPIC,
-    ),
-    Family(
-        "topic_received_bytes",
-        "counter",
-        "Bytes received from ROS, as CDR.",
-        _of_topics(lambda topic: topic.received_bytes),
-        _TOPIC,
-    ),
-    Family(
-        "topic_lost",
-        "counter",
-        "Messages that nodes published but the gateway did not get.",
-        _of_topics(lambda topic: topic.lost),
-        _TOPIC,
-    ),
-    Family(
-        "topic_clients",
-        "gauge",
-        "Clients that subscribe to the topic.",
-        _of_topics(lambda topic: topic.clients),
-        _TOPIC,
-    ),
-    Family(
-        "topic_published",
-        "counter",
-        "Messages that clients published.",
-        _of_topics(lambda topic: topic.published),
-        _TOPIC,
-    ),
-    Family(
-        "topic_published_bytes",
-        "counter",
-        "Bytes that clients published, as CDR.",
-        _of_topics(lambda topic: topic.published_bytes),
-        _TOPIC,
-    ),
-    Family(
-        "client_published",
-        "counter",
-        "Messages that the client published.",
+        *("drive_stops", "counter", "Stops, by cause."),
         lambda state: (
-            ((each.client, each.topic), each.messages) for each in state.traffic.publications
-        ),
-        _CLIENT_TOPIC,
-    ),
-    Family(
-        "client_published_bytes",
-        "counter",
-        "Bytes that the client published, as CDR.",
-        lambda state: (
-            ((each.client, each.topic), each.size) for each in state.traffic.publications
-        ),
-        _CLIENT_TOPIC,
-    ),
-    *_deliveries(
-        "messages_received", "counter", "Messages offered to subscriptions", lambda d: d.offered
-    ),
-    *_deliveries("messages_sent", "counter", "Messages written to sockets", lambda d: d.sent),
-    *_deliveries(
-        "messages_sent_bytes",
-        "counter",
-        "Bytes of frames written to sockets",
-        lambda d: d.sent_bytes,
-    ),
-    *_deliveries(
-        "messages_coalesced",
-        "counter",
-        "Messages that a throttle replaced with newer ones",
-        lambda d: d.coalesced,
-    ),
-    *_deliveries(
-        "messages_dropped",
-        "counter",
-        "Messages dropped by a full queue, an error, or the end of a subscription",
-        lambda d: d.dropped,
-    ),
-    *_deliveries(
-        "messages_pending",
-        "gauge",
-        "Messages that wait in queues and throttles",
-        lambda d: d.pending,
-    ),
-    _gauge(
-        "guard_up",
-        "1 while the guard process is ready.",
-        lambda state: state.control.guard_is_ready,
-    ),
-    _counter(
-        "guard_losses", "Losses of the guard process.", lambda state: state.control.guard_losses
-    ),
-    Family(
-        "drive_moving",
-        "gauge",
-        "1 while commands move the robot or a stop is being sent.",
-        lambda state: (
-            ((each.topic,), each.motion != "stopped") for each in state.summary.control.drives
-        ),
-        _TOPIC,
-    ),
-    Family(
-        "drive_tripped",
-        "gauge",
-        "1 during a safety stop, which ends with a zero command.",
-        lambda state: (((each.topic,), each.is_tripped) for each in state.summary.control.drives),
-        _TOPIC,
-    ),
-    Family(
-        "drive_held",
-        "gauge",
-        "1 while a client has control.",
-        lambda state: (((each.topic,), each.is_leased) for each in state.summary.control.drives),
-        _TOPIC,
-    ),
-    Family(
-        "drive_guarded",
-        "gauge",
-        "1 while the guard process is ready for this topic.",
-        lambda state: (((each.topic,), each.is_guarded) for each in state.summary.control.drives),
-        _TOPIC,
-    ),
-    Family(
-        "drive_stops",
-        "counter",
-        "Stops, by cause.",
-        lambda state: (
-            ((each.topic, cause), count)
-            for each in state.summary.control.drives
-            for cause, count in each.stops.items()
+            ((drive.topic, cause), count)
+            for drive in state.summary.control.drives
+            for cause, count in drive.stops.items()
         ),
         ("topic", "cause"),
-    ),
-)
-
-TIME_FAMILIES: Final[tuple[TimeFamily, ...]] = (
-    TimeFamily(
-        "event_loop_lag_seconds",
-        "Lag of the event loop, measured four times a second.",
-        lambda state: [((), state.summary.lag)],
-    ),
-    TimeFamily(
-        "topic_latency_seconds",
-        "Time from the arrival of a message to the write of its frame. Measured for some frames.",
-        lambda state: (((each.topic,), each.latency) for each in state.traffic.topics),
-        _TOPIC,
-    ),
-    TimeFamily(
-        "client_latency_seconds",
-        "Time from the arrival of a message to the write of its frame, for one client.",
-        lambda state: (((each.client,), each.latency) for each in state.summary.clients),
-        _CLIENT,
     ),
 )

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The text of /metrics, in pieces that each take little time."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import islice
-from typing import Final
+from typing import Any, Final
 
 from prometheus_client import generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily
@@ -11,7 +11,8 @@ from prometheus_client.metrics_core import Metric
 from prometheus_client.process_collector import ProcessCollector
 from prometheus_client.registry import Collector
 
-from gateway.metrics.families import FAMILIES, PREFIX, TIME_FAMILIES, Family, TimeFamily
+from gateway.metrics.families import FAMILIES, PREFIX, Family, Kind
+from gateway.metrics.histogram import Observed
 from gateway.metrics.state import State
 
 CONTENT_TYPE: Final = "text/plain; version=0.0.4; charset=utf-8"
@@ -20,6 +21,11 @@ PIECE_SAMPLES: Final = 256
 # A histogram has 16 samples.
 PIECE_HISTOGRAMS: Final = PIECE_SAMPLES // 16
 
+_METRICS: Final[Mapping[Kind, Any]] = {  # they take different values
+    "counter": CounterMetricFamily,
+    "gauge": GaugeMetricFamily,
+    "histogram": HistogramMetricFamily,
+}
 _PROCESS: Final = ProcessCollector(registry=None)
 
 
@@ -37,30 +43,20 @@ def pieces(state: State) -> Iterator[str]:
     """Write a state as the text that Prometheus reads, a bounded piece at a time."""
     for family in FAMILIES:
         yield from _written(family, state)
-    for times in TIME_FAMILIES:
-        yield from _written_times(times, state)
     yield generate_latest(_PROCESS).decode()
 
 
 def _written(family: Family, state: State) -> Iterator[str]:
     rows = iter(family.rows(state))
-    make = CounterMetricFamily if family.kind == "counter" else GaugeMetricFamily
+    size = PIECE_HISTOGRAMS if family.kind == "histogram" else PIECE_SAMPLES
     is_first = True
-    while part := list(islice(rows, PIECE_SAMPLES)):
-        metric = make(PREFIX + family.name, family.text, labels=family.labels)
+    while part := list(islice(rows, size)):
+        metric = _METRICS[family.kind](PREFIX + family.name, family.text, labels=family.labels)
         for labels, value in part:
-            metric.add_metric(labels, value)
-        yield _text(metric, is_first=is_first)
-        is_first = False
-
-
-def _written_times(family: TimeFamily, state: State) -> Iterator[str]:
-    rows = iter(family.rows(state))
-    is_first = True
-    while part := list(islice(rows, PIECE_HISTOGRAMS)):
-        metric = HistogramMetricFamily(PREFIX + family.name, family.text, labels=family.labels)
-        for labels, observed in part:
-            metric.add_metric(labels, observed.buckets(), observed.sum_s)
+            if isinstance(value, Observed):
+                metric.add_metric(labels, value.buckets(), value.sum_s)
+            else:
+                metric.add_metric(labels, value)
         yield _text(metric, is_first=is_first)
         is_first = False
 

@@ -69,6 +69,11 @@ class DriveState(NamedTuple):
     is_guarded: bool
     stops: Mapping[str, int]  # by cause
 
+    @property
+    def is_moving(self) -> bool:
+        """True while commands move the robot, or a stop is being sent."""
+        return self.motion != "stopped"
+
 
 class Traffic(NamedTuple):
     """The samples and messages that pass between ROS and clients."""
@@ -146,6 +151,16 @@ class Summary(NamedTuple):
     ends: Mapping[tuple[str, str, str], int]  # of connections, by who ended it, reason and code
     lag: Observed
     max_lag_s: float  # of the last seconds
+
+    @property
+    def client_count(self) -> int:
+        """The clients, authenticated or not."""
+        return len(self.clients)
+
+    @property
+    def ros_entities(self) -> int:
+        """The ROS entities of all kinds."""
+        return self.entities["ros_entities"]
 
 
 class State(NamedTuple):
