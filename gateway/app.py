@@ -49,7 +49,7 @@ from schemas.table import Table
 
 logger = logging.getLogger("gateway")
 
-STANDARD_STREAMS: Final = (0, 1, 2)
+_STANDARD_STREAMS: Final = (0, 1, 2)
 SHUTDOWN_S: Final = 1.8  # of the 2 s that there are
 WARN_AGAIN_S: Final = 10.0
 
@@ -90,15 +90,14 @@ def run(
     load: Callable[[], Config],
     open_source: OpenSource | None = None,
     open_front: OpenFront | None = None,
-    streams: Sequence[int] = STANDARD_STREAMS,
     was_interrupted: Callable[[], bool] = lambda: False,
 ) -> int:
     """Serve until one of the `ENDING` signals. Return the exit code.
 
     Once clients can connect, *announce* gets the addresses. It returns a function, which is called
     once clients can drive. On SIGHUP, *load* returns the new configuration, whose tokens and
-    permissions take effect. If one of the descriptors *streams* was a terminal that is closed now,
-    SIGHUP ends the gateway instead.
+    permissions take effect. If a standard stream was a terminal that is closed now, SIGHUP ends the
+    gateway instead.
 
     Raises:
         KeyboardInterrupt: the process *was_interrupted* before it handled signals itself.
@@ -114,7 +113,6 @@ def run(
                 load,
                 open_source or open_rclpy,
                 open_front or RosbridgeFront,
-                streams,
                 was_interrupted,
             )
         )
@@ -126,14 +124,13 @@ async def _serve(
     load: Callable[[], Config],
     open_source: OpenSource,
     open_front: OpenFront,
-    streams: Sequence[int],
     was_interrupted: Callable[[], bool],
 ) -> int:
     keep_large_blocks()
     confine_to_calling_thread()
     asyncio.get_running_loop().set_exception_handler(_LoopErrors())
     stop, hung_up = asyncio.Event(), asyncio.Event()
-    _handle_signals(stop, hung_up, streams, was_interrupted)
+    _handle_signals(stop, hung_up, was_interrupted)
     async with AsyncExitStack() as stack:
         end_by_force = stack.enter_context(_forced_end())
         security = stack.enter_context(open_security(config))
@@ -239,7 +236,6 @@ def _discoverable(
 def _handle_signals(
     stop: asyncio.Event,
     hung_up: asyncio.Event,
-    streams: Sequence[int],
     was_interrupted: Callable[[], bool],
 ) -> None:
     """Set *stop* when the process must end, and *hung_up* when it must reload."""
@@ -247,7 +243,7 @@ def _handle_signals(
     for number in ENDING:
         loop.add_signal_handler(number, stop.set)
     is_kept = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # by nohup
-    terminals = [] if is_kept else [number for number in streams if _is_terminal(number)]
+    terminals = [] if is_kept else [number for number in _STANDARD_STREAMS if _is_terminal(number)]
 
     def hang_up() -> None:
         # SIGHUP also means that the terminal was closed: then the gateway ends

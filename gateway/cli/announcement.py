@@ -5,6 +5,8 @@ import io
 import os
 import shlex
 import socket
+import sys
+import threading
 import time
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
@@ -83,6 +85,21 @@ def own_addresses() -> list[str]:
         except OSError:
             return []
         return [probe.getsockname()[0]]
+
+
+def open_page(url: str) -> bool:
+    """Open a page if the output goes to a terminal of a desktop, and return whether that is tried.
+
+    It runs in a thread, because a browser may take seconds to start. Its failure does not matter,
+    because the address is also printed.
+    """
+    desktop = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if not desktop or not sys.stdout.isatty():
+        return False
+    import webbrowser
+
+    threading.Thread(target=webbrowser.open, args=(url,), name="browser", daemon=True).start()
+    return True
 
 
 def _lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[str]:

@@ -6,28 +6,25 @@ need no ROS work without it.
 """
 
 import argparse
-import logging
 import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
-from gateway.cli.arguments import CONFIG_FLAGS, CONFIG_SWITCHES, argument_parser
-from gateway.cli.output import announce, discard_output, write, write_elsewhere
+from gateway.cli import serving
+from gateway.cli.arguments import argument_parser
+from gateway.cli.output import announce, discard_output
 from gateway.cli.report import EXIT_OK, report
-from gateway.cli.ros_environment import require_rclpy, ros_imports, use_ros
+from gateway.cli.ros_environment import ros_imports, use_ros
 from gateway.ending_signals import ENDING
-from gateway.errors import ConfigError, RobotDiedError, UsageError
+from gateway.errors import RobotDiedError, UsageError
 
 if TYPE_CHECKING:
-    from gateway.app import Listening
-    from gateway.cli.foreign_output import OwnOutput
     from gateway.config.model import Config
-    from gateway.config.settings import Given, Loaded
     from schemas.installed import InstalledDefinitions
 
 _interrupted: Final = threading.Event()  # by a signal: an import may lose the exception
@@ -74,8 +71,8 @@ def _wanted_format(argv: Sequence[str]) -> str:
 
 def _run(arguments: argparse.Namespace) -> int:
     commands: dict[str, Callable[[argparse.Namespace], int]] = {
-        "serve": _serve,
-        "demo": _demo,
+        "serve": partial(serving.serve, _interrupted.is_set),
+        "demo": partial(serving.demo, _interrupted.is_set),
         "sim": _sim,
         "mock": _mock,
         "schema": _schema,
@@ -88,185 +85,11 @@ def _run(arguments: argparse.Namespace) -> int:
     return commands[arguments.command](arguments)
 
 
-def _configuration(arguments: argparse.Namespace) -> "Loaded":
-    from gateway.config.settings import load
-
-    loaded = load(_given(arguments), os.environ, arguments.config)
-    arguments.log_format = loaded.config.log.format  # also of errors, from now on
-    return loaded
-
-
-def _given(arguments: argparse.Namespace) -> list["Given"]:
-    from gateway.config.settings import Given
-
-    flags = {key: flag for flag, (key, *_) in CONFIG_FLAGS.items()}
-    flags |= {key: flag for flag, (key, *_) in CONFIG_SWITCHES.items()}
-    given = []
-    for assignment in arguments.set:
-        key, equals, value = assignment.partition("=")
-        if not equals:
-            raise ConfigError(f"--set: got {assignment!r}, expected KEY=VALUE")
-        given.append(Given(key, value, f"--set {key}"))
-    for key, flag in flags.items():
-        value = getattr(arguments, key)
-        if value is not None:
-            given.append(Given(key, value, flag))
-    return given
-
-
-def _serve(arguments: argparse.Namespace) -> int:
-    loaded = _configuration(arguments)
-    if arguments.print_config:
-        return _print_config(loaded)
-    if arguments.source is None:
-        use_ros(loaded.config.ros.domain_id)
-    with _log_output(loaded) as own:
-        return _run_gateway(arguments, loaded, own)
-
-
-def _print_config(loaded: "Loaded") -> int:
-    from gateway.config.settings import to_toml
-
-    print(to_toml(loaded), end="")
-    return EXIT_OK
-
-
-@contextmanager
-def _log_output(loaded: "Loaded") -> "Iterator[OwnOutput | None]":
-    """Begin the log. With JSON, lend the outputs, which are then only for JSON."""
-    from gateway.cli.logs import configure_logging
-
-    log = loaded.config.log
-    if log.format == "text":
-        configure_logging(log.level, log.format)
-        yield None
-        return
-    from gateway.cli.foreign_output import foreign_output_logged
-
-    with foreign_output_logged() as own:
-        configure_logging(log.level, log.format, own.stderr)
-        yield own
-
-
-def _announce_in_json(listening: "Listening", own: "OwnOutput", lines: str) -> None:
-    import faulthandler
-
-    from gateway.cli import announcement
-
-    text = "\n".join(announcement.in_json(listening, lines))
-    why = write(text, own.stdout)
-    if why is not None:
-        # without the text, which may contain a token: the log goes to /rosout as well
-        logging.getLogger("gateway").warning("cannot write standard output, %s", why)
-        write_elsewhere(text, own.stderr)
-    # rclpy has turned it on for a descriptor that is a pipe to this process, which would lose it
-    faulthandler.enable(own.stderr)
-
-
-def _announce_qr_code(listening: "Listening") -> None:
-    from gateway.cli import announcement
-
-    if listening.posture.is_open and sys.stdout.isatty():
-        text = announcement.qr_text(listening, announcement.own_addresses())
-        if text is not None:
-            announce(f"{announcement.qr_code(text)}for a phone: {text}")
-
-
-def _run_gateway(
-    arguments: argparse.Namespace,
-    loaded: "Loaded",
-    own: "OwnOutput | None",
-    hint: str = "",
-    *,
-    opens_page: bool = False,
-) -> int:
-    from gateway.cli.named_parts import front_of, source_of
-
-    open_source, open_front = source_of(arguments), front_of(arguments)
-    from gateway import app
-
-    def announce_listening(listening: "Listening") -> Callable[[], None]:
-        from gateway.cli import announcement, browser, tokens
-
-        listening = tokens.kept_from_logs(listening, sys.stdout if own is None else own.stdout)
-
-        def show(text: str) -> None:
-            if own is None:
-                announce(text)
-            else:
-                _announce_in_json(listening, own, text)
-
-        show(announcement.announcement(listening))
-        if own is None and loaded.config.qr:
-            _announce_qr_code(listening)
-        if opens_page:
-            browser.open_page(announcement.own_page(listening))
-
-        def invite() -> None:
-            try:
-                if hint:
-                    show(announcement.filled(hint, listening))
-            except BrokenPipeError:  # as above, where it also ends the gateway
-                discard_output()
-                signal.raise_signal(signal.SIGTERM)
-
-        return invite
-
-    loaded.warn()
-    return app.run(
-        _with_certificate(loaded.config),
-        announce=announce_listening,
-        open_source=open_source,
-        open_front=open_front,
-        load=lambda: _with_certificate(_configuration(arguments).config),
-        was_interrupted=_interrupted.is_set,
-        streams=app.STANDARD_STREAMS if own is None else own.streams,
-    )
-
-
-def _with_certificate(config: "Config") -> "Config":
-    """Return a configuration in which a port for TLS has a certificate: this machine's, if none."""
-    if config.tls.port is None or config.tls.cert is not None or config.tls.key is not None:
-        return config
-    from gateway.access.token_file import default_path
-    from gateway.cli.certificate import own_certificate
-
-    cert, key = own_certificate(default_path(os.environ).parent)
-    tls = config.tls.model_copy(update={"cert": str(cert), "key": str(key)})
-    return config.model_copy(update={"tls": tls})
-
-
 def _without_own_certificate(config: "Config") -> "Config":
     """Return a configuration to check, without files that only `serve` would make."""
     if config.tls.cert is not None:
         return config
     return config.model_copy(update={"tls": config.tls.model_copy(update={"port": None})})
-
-
-def _demo(arguments: argparse.Namespace) -> int:
-    from gateway.cli import demo
-
-    loaded = _configuration(arguments)
-    loaded = loaded._replace(config=demo.with_robot(loaded.config))
-    if arguments.print_config:
-        return _print_config(loaded)
-    use_ros(loaded.config.ros.domain_id)  # the robot inherits it
-    require_rclpy()
-    from gateway.access.posture import posture_of
-
-    config = loaded.config
-    for port in (config.port, config.tls.port):
-        if port is not None:
-            demo.require_free_port(posture_of(config).hosts[0], port)
-    # The robot on this desk is not for the network. The middleware reads this when it starts.
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-
-    hint = demo.lines_to_paste(config, twist_stamped=arguments.twist_stamped)
-    with _log_output(loaded) as own:
-        return demo.run(
-            lambda: _run_gateway(arguments, loaded, own, hint, opens_page=not arguments.no_browser),
-            demo.robot_command(config, twist_stamped=arguments.twist_stamped),
-        )
 
 
 def _sim(arguments: argparse.Namespace) -> int:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from gateway.cli.browser import open_page
+from gateway.cli.announcement import open_page
 
 TIMEOUT_S = 120
 URL = "http://localhost:9090/"

@@ -11,13 +11,13 @@ import sys
 import tomllib
 import urllib.request
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
 
 from gateway import app
-from gateway.cli import demo
+from gateway.cli import demo, serving
 from gateway.cli import main as cli
 from gateway.cli.report import _REMEDIES
 from gateway.ending_signals import ENDING
@@ -462,7 +462,7 @@ def test_a_bug_is_one_sentence_and_with_debug_a_traceback(monkeypatch, capsys):
     def fail(_: object) -> Sequence[object]:
         raise ZeroDivisionError("division by zero")
 
-    monkeypatch.setattr(cli, "_given", fail)
+    monkeypatch.setattr(serving, "_given", fail)
     assert cli.main(["serve"]) == 1
     assert capsys.readouterr().err == (
         "ros2-gateway: internal error, ZeroDivisionError: division by zero"
@@ -487,7 +487,7 @@ def test_a_fault_of_the_machine_is_not_reported_as_a_bug(error, sentence, monkey
     def fail(_: object) -> Sequence[object]:
         raise error
 
-    monkeypatch.setattr(cli, "_given", fail)
+    monkeypatch.setattr(serving, "_given", fail)
     assert cli.main(["serve"]) == 1
     assert capsys.readouterr().err == f"ros2-gateway: {sentence}\n"
 
@@ -561,7 +561,7 @@ def test_an_extension_module_that_hides_an_interrupt_behind_another_error_change
             raise ImportError("initialization failed") from error
         return []
 
-    monkeypatch.setattr(cli, "_given", load)
+    monkeypatch.setattr(serving, "_given", load)
     assert cli.main(["serve"]) == 0
     assert capsys.readouterr() == ("", "")
 
@@ -573,9 +573,9 @@ def test_an_interrupt_that_an_import_has_lost_still_ends_the_start(monkeypatch):
             signal.raise_signal(signal.SIGTERM)
         return []
 
-    monkeypatch.setattr(cli, "_given", load)
-    monkeypatch.setattr(cli, "use_ros", lambda _: None)
-    monkeypatch.setattr(cli, "_log_output", lambda _: nullcontext())
+    monkeypatch.setattr(serving, "_given", load)
+    monkeypatch.setattr(serving, "use_ros", lambda _: None)
+    monkeypatch.setattr(serving, "_begin_log", lambda _: None)
     monkeypatch.setattr(app, "open_security", lambda _: pytest.fail("started"))
     assert cli.main(["serve"]) == 0
 

@@ -24,17 +24,15 @@ from tests.transport.test_server import closing
 JSON = ("--log-format", "json")
 STRING = "std_msgs/msg/String"
 
-# A fault of the gateway, in addition to output and warnings of libraries.
+# A fault of the gateway, in addition to warnings of libraries.
 FAULTS = """
-import os, threading, warnings
+import threading, warnings
 from gateway.fronts.rosbridge.front import RosbridgeFront
 
 receive = RosbridgeFront.receive
 
 def fail(front, session, data):
     if b"boom" in data:
-        os.write(2, b"[RTPS_TRANSPORT_SHM Error] Failed init_port\\n -> Function compute\\n")
-        os.write(1, b"printed by a library\\n")
         warnings.warn("deprecated\\nsince long")
         threading.Thread(target=int, args=("x",)).start()
         raise ZeroDivisionError("a fault")
@@ -78,7 +76,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-async def test_with_json_each_line_of_both_outputs_is_json_whatever_happens(home: Path):
+async def test_with_json_each_line_of_the_gateway_is_json_whatever_happens(home: Path):
     (home / "sitecustomize.py").write_text(FAULTS)
     config = home / "gateway.toml"
     config.write_text("lan = true\n")
@@ -108,13 +106,7 @@ async def test_with_json_each_line_of_both_outputs_is_json_whatever_happens(home
             assert await gateway.stop(signal.SIGTERM) == 0
     found = entries([*gateway.output, *gateway.log])
     texts = [(each["logger"], each["message"]) for each in found]
-    for logger, message in (
-        ("stderr", "[RTPS_TRANSPORT_SHM Error] Failed init_port"),
-        ("stderr", " -> Function compute"),
-        ("stdout", "printed by a library"),
-        ("gateway", "shutting down"),
-    ):
-        assert (logger, message) in texts
+    assert ("gateway", "shutting down") in texts
     assert any(logger == "py.warnings" and "since long" in text for logger, text in texts)
     assert any(text.endswith("4401 the token is wrong") for _, text in texts)
     bugs = [each["traceback"] for each in found if "traceback" in each]
@@ -133,12 +125,9 @@ async def test_with_json_each_line_of_both_outputs_is_json_whatever_happens(home
 
 
 def errors(text: str) -> list[Entry]:
-    """Return what the gateway reports as an error. It may also have tidied up after others."""
-    return [
-        each
-        for each in entries(text.splitlines())
-        if each["level"] == "error" and each["logger"] != "stderr"
-    ]
+    """Return what the gateway reports as an error, whatever libraries write in between."""
+    own = [line for line in text.splitlines() if line.startswith("{")]
+    return [each for each in entries(own) if each["level"] == "error"]
 
 
 @pytest.mark.parametrize(
