@@ -150,7 +150,6 @@ async def _serve(
             audit=security.audit,
             control=config.control,
             image_format=config.images.default_format,
-            asks_nodes=config.types.ask_nodes,
         )
         stack.callback(router.close)
         start = Start(router.control)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Taking over a node's definition of a type, if it is the one with the type's hash."""
+"""Checking a node's definition of a type: it is believed if it has the type's hash."""
 
 from collections.abc import Container, Mapping
 from typing import Final
@@ -17,18 +17,18 @@ MAX_TOLD_CHARACTERS: Final = 16 * 1024 * 1024  # of all texts. Those of a robot 
 _SHOWN: Final = 100  # characters of a name that a node sent
 
 
-def learn(
+def believed(
     definitions: InstalledDefinitions,
     name: str,
     told: Mapping[str, Definition],
     type_hash: str,
     in_use: Mapping[str, str],
-) -> None:
-    """Add the definition of a type to *definitions*, and those of the types that it nests.
+) -> dict[str, Definition]:
+    """Return the definition of a type that a node has told, and those of the types that it nests.
 
-    Installed packages keep theirs. *told* is as `described_definitions` returns it. *type_hash* is
-    that of the type in the ROS graph. *in_use* has the hashes of types that have to stay as they
-    are.
+    Those that *definitions* has already are left out. Installed packages keep theirs. *told* is as
+    `described_definitions` returns it. *type_hash* is that of the type in the ROS graph. *in_use*
+    has the hashes of types that have to stay as they are.
 
     Raises:
         DefinitionError: the definition has another hash, or contradicts others, or is too much.
@@ -52,7 +52,7 @@ def learn(
     for other in in_use.keys() - {name} if changed else ():
         if _nests(other, changed, definitions) and _hash(other, trial) != in_use[other]:
             raise DefinitionError(f"{name} nests other definitions than {other}, which is in use")
-    definitions.tell(new)
+    return new
 
 
 def _is_known(

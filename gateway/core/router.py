@@ -78,13 +78,10 @@ class Router:
         audit: Audit | None = None,
         control: ControlConfig | None = None,
         image_format: ImageFormat = "jpeg",
-        asks_nodes: bool = True,
     ) -> None:
         ros = complete(source)
         self._service_clients = ServiceClients(ros)
-        self._learned = LearnedTypes(
-            ros, types, self._service_clients, self._on_types_learned, asks_nodes=asks_nodes
-        )
+        self._learned = LearnedTypes(ros, types.definitions, self._on_types_learned)
         topic_types = TopicTypes(ros, types, table, self._learned.ask)
         interface_types = InterfaceTypes(ros, types)
         self.ros = ros

@@ -3,9 +3,9 @@
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType, ServiceType
-from gateway.core.client_cache import ClientCache
 from gateway.core.deadline import Deadline
 from gateway.core.errors import ProtocolError
+from gateway.sources.client_cache import ClientCache
 from gateway.sources.services import ServiceClient
 from gateway.sources.source import Ros
 from schemas.json_forms import Clock

@@ -17,14 +17,14 @@ class TypeAskedError(ProtocolError):
     """The definition of a type is not known, and is being asked for."""
 
     def __init__(self, type_name: str) -> None:
-        self.question = f"a node is being asked for the definition of {type_name}"
+        self.question = f"the definition of {type_name} is being asked for"
         super().__init__("bad_type", f"type: {self.question}: try again in a moment")
 
 
 class TopicTypes:
     """Finds the message type that a client asks for, or that a topic has.
 
-    *ask* gets a topic and its type, has it learned if it is not known, and returns whether that is
+    *ask* gets a type of the graph, has it learned if it is not known, and returns whether that is
     under way.
     """
 
@@ -33,7 +33,7 @@ class TopicTypes:
         ros: Ros,
         types: Types,
         table: Table,
-        ask: Callable[[str, str], bool] = lambda *_: False,
+        ask: Callable[[str], bool] = lambda _: False,
     ) -> None:
         self._ros = ros
         self._ask = ask
@@ -75,7 +75,7 @@ class TopicTypes:
         """
         known = self._ros.topic_types(topic)
         for type_name in known:
-            if self._ask(topic, type_name) and requested in {None, type_name}:
+            if self._ask(type_name) and requested in {None, type_name}:
                 raise TypeAskedError(type_name)
         if requested is not None:
             named = self.named(requested)

@@ -110,13 +110,6 @@ class TopicEvent(NamedTuple):
         return self._replace(problem=self.problem.replace(f" {self.node} ", " a node ", 1), node="")
 
 
-class TypeHolder(NamedTuple):
-    """A node that has a type, and the hash of its definition (REP-2011)."""
-
-    node: str  # empty for some milliseconds, until it has introduced itself
-    type_hash: str
-
-
 @dataclass(frozen=True, slots=True)
 class TopicInfo:
     """A topic of the graph: its types (more than one is a conflict) and its endpoints."""
@@ -312,22 +305,14 @@ class Source(RosGraph, Protocol):
     def topics(self) -> Mapping[str, Sequence[str]]:
         """Return the types of all topics, which is far cheaper than `graph`."""
 
-    def type_holders(self, topic: str, type_name: str) -> Sequence[TypeHolder]:
-        """Return the other nodes that publish a type on a topic, then those that subscribe to it.
-
-        Nodes that do not show a hash are left out.
-        """
-
     async def definitions(self, type_name: str) -> Mapping[str, Definition] | None:
         """Return the definition of a message type, and those of the types that it nests.
 
-        Return ``None`` if the source does not carry them. Then nodes with the type are asked.
-        """
+        Return ``None`` if the source has no other than is known here. This is called for each
+        type of a topic that is not installed, and again after each change of the graph.
 
-    async def make_types(self) -> None:
-        """Find out whether topics of types that are not installed can be used here.
-
-        Before it has been called they cannot. It takes a second, the first time.
+        Raises:
+            RosError: it cannot be had now. The text continues "no definition is installed, and".
         """
 
     def subscribe(

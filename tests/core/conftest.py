@@ -122,6 +122,7 @@ async def open_bench(guard: Guard | None = None, **settings: Any) -> AsyncIterat
         router = Router(ros, types, table, limits=LIMITS, **shared, **settings)
         yield Bench(ros, router, types)
         router.close()
+        ros.told.close()
         assert ros.entity_count() == 0
 
 

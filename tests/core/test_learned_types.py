@@ -9,8 +9,9 @@ import pytest
 
 from gateway.core import learned_types
 from gateway.core.learned_types import LOOK_S
+from gateway.sources.rclpy import node_definitions
+from gateway.sources.rclpy.node_definitions import TypeHolder, _Silence
 from gateway.sources.services import ServiceRequest
-from gateway.sources.source import TypeHolder
 from schemas.definition import parse_definition
 from schemas.installed import InstalledDefinitions
 from schemas.type_hash import computed_type_hash, type_description
@@ -20,7 +21,8 @@ from tests.core.conftest import Bench
 
 SERVICE_TYPE = "type_description_interfaces/srv/GetTypeDescription"
 LAMP = "my_msgs/msg/Lamp"
-NO_LAMP = f"type: no definition of {LAMP} is installed, and a node that has it "
+NOT_KNOWN = f"type: no definition of {LAMP} is installed, and "
+NO_LAMP = f"{NOT_KNOWN}a node that has it "
 REMEDY = ": install its package, or name a folder that has the definition in types.paths"
 
 
@@ -109,12 +111,12 @@ async def test_a_subscription_waits_for_the_definition(bench: Bench):
     client = bench.client()
     client.send(op="set_level", level="info")
     client.send(op="subscribe", topic="/lamp")
-    text = f"topic /lamp: a node is being asked for the definition of {LAMP}, waiting for it"
+    text = f"topic /lamp: the definition of {LAMP} is being asked for, waiting for it"
     assert client.of("status")[-1]["msg"] == text
     client.send(op="publish", topic="/lamp", msg={})
     status = client.of("status")[-1]
     assert status["level"] == "error"
-    text = f"type: a node is being asked for the definition of {LAMP}: try again in a moment"
+    text = f"type: the definition of {LAMP} is being asked for: try again in a moment"
     assert status["msg"] == text
     await node.is_asked()
     node.respond()
@@ -141,7 +143,7 @@ async def test_a_node_that_has_yet_to_introduce_itself_is_waited_for(bench: Benc
 
 
 async def test_a_waiting_client_hears_once_why_the_definition_is_missing(bench: Bench, monkeypatch):
-    monkeypatch.setattr(learned_types, "PAUSE_S", 0.5)
+    monkeypatch.setattr(node_definitions, "PAUSE_S", 0.5)
     node = Node(bench)
     node.publish("/lamp", LAMP)
     client = bench.client()
@@ -174,7 +176,7 @@ async def test_a_node_that_said_no_is_left_alone_for_a_while(bench: Bench):
 
 
 async def test_a_node_may_offer_the_service_later(bench: Bench, monkeypatch):
-    monkeypatch.setattr(learned_types, "STARTING_S", 0.05)
+    monkeypatch.setattr(node_definitions, "STARTING_S", 0.05)
     node = Node(bench, has_service=False)
     node.publish("/lamp", LAMP)
     await changes(bench)
@@ -214,11 +216,11 @@ async def test_a_node_that_has_not_answered_yet_is_named_so(bench: Bench):
     await node.is_asked()
     client = bench.client()
     client.send(op="describe", id=1, type=LAMP)
-    assert client.statuses[-1][1] == f"{NO_LAMP}is being asked{REMEDY}"
+    assert client.statuses[-1][1] == f"{NOT_KNOWN}it is being asked for{REMEDY}"
 
 
 async def test_a_node_that_does_not_answer_in_time_is_named_so(bench: Bench, monkeypatch):
-    monkeypatch.setattr(learned_types, "ANSWER_S", 0.05)
+    monkeypatch.setattr(node_definitions, "ANSWER_S", 0.05)
     node = Node(bench)
     node.publish("/lamp", LAMP)
     client = bench.client()
@@ -237,13 +239,13 @@ async def test_a_node_that_does_not_answer_is_left_alone_for_all_its_types(
     silent, good = Node(bench, "/a_silent"), Node(bench, "/good")
     for number in range(20):
         silent.publish(f"/a{number}", f"my_msgs/msg/Lamp{number}")
-    await eventually(lambda: len(silent.requests) == learned_types.ASKED_AT_ONCE)
+    await eventually(lambda: len(silent.requests) == node_definitions.ASKED_AT_ONCE)
     good.publish("/lamp", LAMP)
     loop = asyncio.get_running_loop()
     real_time = loop.time
-    monkeypatch.setattr(loop, "time", lambda: real_time() + learned_types.ANSWER_S)
+    monkeypatch.setattr(loop, "time", lambda: real_time() + node_definitions.ANSWER_S)
     await good.is_asked()
-    assert len(silent.requests) == learned_types.ASKED_AT_ONCE
+    assert len(silent.requests) == node_definitions.ASKED_AT_ONCE
 
 
 async def test_the_first_of_two_definitions_in_use_stays(bench: Bench):
@@ -268,14 +270,14 @@ async def test_few_are_asked_at_once(bench: Bench):
     for number in range(10):
         node.publish(f"/lamp{number}", f"my_msgs/msg/Lamp{number}")
     await changes(bench)
-    assert len(node.requests) == learned_types.ASKED_AT_ONCE
+    assert len(node.requests) == node_definitions.ASKED_AT_ONCE
     node.respond(REFUSAL, 0)
-    await eventually(lambda: len(node.requests) == learned_types.ASKED_AT_ONCE + 1)
+    await eventually(lambda: len(node.requests) == node_definitions.ASKED_AT_ONCE + 1)
 
 
 async def test_the_memory_of_who_said_no_is_bounded(bench: Bench, monkeypatch):
-    monkeypatch.setattr(learned_types, "PAUSE_S", 600)
-    silent = bench.router._learned._silent
+    monkeypatch.setattr(node_definitions, "PAUSE_S", 600)
+    silent = bench.ros.told._silent
     node = Node(bench)
     for number in range(2):
         node.publish(f"/lamp{number}", f"my_msgs/msg/Lamp{number}")
@@ -283,7 +285,7 @@ async def test_the_memory_of_who_said_no_is_bounded(bench: Bench, monkeypatch):
         node.respond(REFUSAL)
         await eventually(lambda: bool(silent) and not bench.router._learned._asking)
         # others have said no since
-        silent.update({TypeHolder(f"/other{each}", ""): 1e9 for each in range(1023)})
+        silent.update({TypeHolder(f"/other{each}", ""): _Silence(1e9, "") for each in range(1023)})
     assert len(silent) == 1024
     await changes(bench)
     await eventually(lambda: len(node.requests) >= 3)  # the first is forgotten
@@ -323,6 +325,7 @@ async def test_nothing_is_left_of_what_was_under_way(bench: Bench, monkeypatch):
     await node.is_asked()
     assert asyncio.all_tasks() > before
     bench.router.close()
+    bench.ros.told.close()
     await bench.settle()
     assert asyncio.all_tasks() <= before
     assert bench.ros.entity_count() == 0
@@ -375,23 +378,22 @@ async def test_a_node_without_the_service_is_looked_at_again_after_2_s(bench: Be
     assert len(node.requests) == 1
 
 
-async def test_a_source_that_carries_a_definition_is_asked_once_and_no_node(bench: Bench):
-    node = Node(bench)
-    asked: list[str] = []
+async def test_a_definition_that_a_source_carries_is_followed_once(bench: Bench, monkeypatch):
     carried = {LAMP: parse_definition(LAMP, "bool on\n")}
 
     async def definitions(type_name: str) -> Any:
-        asked.append(type_name)
         return carried if type_name in carried else None
 
-    bench.ros.definitions = definitions  # type: ignore[method-assign]
+    monkeypatch.setattr(bench.ros, "definitions", definitions)
+    node = Node(bench)
     publisher = node.publish("/lamp", LAMP)
     client = bench.client()
     client.send(op="subscribe", topic="/lamp")
     await eventually(lambda: len(bench.ros.subscriptions) == 1)
     publisher.publish(bench.cdr(LAMP, on=True))
     await client.sees(1)
+    revision = bench.types.definitions.revision
     await changes(bench)
-    assert asked == [LAMP]
+    assert bench.types.definitions.revision == revision
     assert node.requests == []
     assert client.messages == [{"on": True}]

@@ -188,7 +188,7 @@ async def test_a_setting_keeps_nodes_from_being_asked(robot: Robot):
         await until_discovered(speaker, "publishers", "/unasked")
         await speaker.send(op="subscribe", topic="/unasked")
         status = await speaker.status()
-        assert status["msg"] == (
+        assert status["msg"].startswith(
             "type: no definition of my_msgs/msg/Unasked is installed: install its package, or"
             " name a folder that has the definition in types.paths"
         )

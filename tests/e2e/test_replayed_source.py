@@ -13,8 +13,10 @@ EXAMPLE = Path(__file__).parents[1] / "sources" / "replayed.py"
 
 
 async def test_a_client_of_rosbridge_gets_what_is_replayed_without_rclpy():
+    # which concerns nodes: this source carries the definition
+    arguments = ("serve", "--source", SOURCE, "--set", "types.ask_nodes=false")
     async with (
-        gateway_process("serve", "--source", SOURCE, module="tests.without_rclpy") as gateway,
+        gateway_process(*arguments, module="tests.without_rclpy") as gateway,
         client(gateway.url) as watching,
     ):
         await watching.send(op="subscribe", topic="/battery")

@@ -9,7 +9,7 @@ import pytest
 from schemas import learning
 from schemas.definition import DefinitionError, parse_definition
 from schemas.installed import InstalledDefinitions, UnknownTypeError
-from schemas.learning import learn
+from schemas.learning import believed
 from schemas.type_hash import computed_type_hash
 
 LAMP, BULB, POLE = "my_msgs/msg/Lamp", "my_msgs/msg/Bulb", "my_msgs/msg/Pole"
@@ -31,7 +31,7 @@ def tell(
     told = {each: parse_definition(each, text) for each, text in texts.items()}
     there = definitions.with_told(told)  # as that node has them
     hashed = computed_type_hash(there.get(name), there)
-    learn(definitions, name, told, hashed, in_use or {})
+    definitions.tell(believed(definitions, name, told, hashed, in_use or {}))
     return hashed
 
 
@@ -47,7 +47,7 @@ def test_a_type_and_those_that_it_nests_are_known_from_then_on(definitions: Inst
 def test_a_definition_with_another_hash_is_refused(definitions: InstalledDefinitions):
     told = {LAMP: parse_definition(LAMP, "bool on\n")}
     with pytest.raises(DefinitionError, match=f"the definition of {LAMP} has another hash"):
-        learn(definitions, LAMP, told, "RIHS01_" + "0" * 64, {})
+        believed(definitions, LAMP, told, "RIHS01_" + "0" * 64, {})
     assert definitions.told == {}
 
 
@@ -76,7 +76,7 @@ def test_a_node_knows_better_than_a_folder(tmp_path: Path):
 def test_a_nested_type_that_was_not_told_is_named(definitions: InstalledDefinitions):
     told = {LAMP: parse_definition(LAMP, "Bulb bulb\n")}
     with pytest.raises(UnknownTypeError, match=BULB):
-        learn(definitions, LAMP, told, "RIHS01_", {})
+        believed(definitions, LAMP, told, "RIHS01_", {})
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,7 @@ def test_a_nested_type_that_was_not_told_is_named(definitions: InstalledDefiniti
 def test_too_many_definitions_are_refused(definitions, texts, words):
     told = {name: parse_definition(name, text) for name, text in texts.items()}
     with pytest.raises(DefinitionError, match=words):
-        learn(definitions, LAMP, told, "RIHS01_", {})
+        believed(definitions, LAMP, told, "RIHS01_", {})
     assert definitions.told == {}
 
 

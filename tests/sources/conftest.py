@@ -15,6 +15,7 @@ from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.services import ServiceClient, ServiceRequest
 from gateway.sources.source import Publisher, Qos, Ros, Sample
+from schemas.definition import parse_definition
 from schemas.installed import InstalledDefinitions
 from tests.sources.fake import FakeRos
 from tests.sources.outside import Outside
@@ -46,6 +47,8 @@ class World(Protocol):
     """The nodes outside the gateway."""
 
     def add_publisher(self, topic: str, type_name: str, qos: Qos | None = None) -> Publisher: ...
+
+    def add_described_publisher(self, topic: str, type_name: str, text: str) -> Any: ...
 
     def add_subscription(
         self,
@@ -87,6 +90,10 @@ class Recorder(NamedTuple):
             self.source.deliver(Recorded(0, topic, type_name, cdr))
 
         return SimpleNamespace(publish=publish)
+
+    def add_described_publisher(self, topic: str, type_name: str, text: str) -> None:
+        self.source.carried[type_name] = parse_definition(type_name, text)
+        self.add_publisher(topic, type_name)
 
 
 @dataclass(frozen=True)
@@ -149,6 +156,7 @@ async def _open_robot(request: pytest.FixtureRequest) -> AsyncIterator[Robot]:
         with contextlib.closing(made):
             yield Robot(made, outside)
         return
-    async with open_ros(RosOptions(taking=request.param)) as ros:
+    options = RosOptions(taking=request.param)
+    async with open_ros(options, InstalledDefinitions()) as ros:
         outside.is_known = lambda service: known_to(ros, service)
         yield Robot(ros, outside)

@@ -22,6 +22,7 @@ from gateway.sources.rclpy.name_checks import (
     check_topic,
     split_type,
 )
+from gateway.sources.rclpy.node_definitions import NodeDefinitions, TypeHolder
 from gateway.sources.rclpy.options import RosOptions, check_room
 from gateway.sources.rclpy.qos import (
     Endpoint,
@@ -44,12 +45,11 @@ from gateway.sources.source import (
     ServerInfo,
     TopicEvent,
     TopicInfo,
-    TypeHolder,
 )
-from schemas.definition import Definition
+from schemas.definition import Definition, parse_definition
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions, UnknownTypeError
-from schemas.type_hash import type_hash
+from schemas.type_hash import type_description, type_hash
 from tests.sources.fake_actions import FakeActionClient, FakeActionServer
 from tests.sources.fake_guard import FakeGuard
 from tests.sources.fake_services import FakeClient, FakeService
@@ -262,10 +262,10 @@ class FakeRos:
         self.logged: list[tuple[LogLevel, str]] = []
         self.found: list[Fault] = []
         self.shared: tuple[str, ...] = ()
-        self.carried: dict[str, Mapping[str, Definition]] = {}
         self.hashes: dict[str, str] = {}  # of types that are not installed
         self._types = types or Types(InstalledDefinitions(folders=[SHIPPED]))
         self._is_changing = False
+        self.told = NodeDefinitions(self, self._types.definitions, self.changed)
 
     # The port
 
@@ -351,7 +351,7 @@ class FakeRos:
         return self.add_action_server(action, type_name, on_goal, on_cancel, node=node)
 
     async def definitions(self, type_name: str) -> Mapping[str, Definition] | None:
-        return self.carried.get(type_name)
+        return await self.told.of(type_name)
 
     async def make_types(self) -> None:
         """Do nothing: here any type will do."""
@@ -446,6 +446,19 @@ class FakeRos:
         self.publishers.append(publisher)
         self.changed()
         return publisher
+
+    def add_described_publisher(self, topic: str, type_name: str, text: str) -> None:
+        """Publish a type that no other process has a file of. Its node has the definition."""
+        told = {type_name: parse_definition(type_name, text)}
+        definitions = self._types.definitions.with_told(told)
+        self.hashes[type_name] = type_hash(told[type_name], definitions)
+        service_type = self._types.service("type_description_interfaces/srv/GetTypeDescription")
+        described = type_description(told[type_name], definitions)
+        answer = {"successful": True, "type_description": described}
+        response = service_type.response.encode(answer, 0)
+        name = "/outside/get_type_description"
+        self.add_service(name, service_type.name, lambda request: request.answer(response))
+        self.add_publisher(topic, type_name)
 
     def remove_publisher(self, publisher: FakePublisher) -> None:
         """Let a publisher vanish."""
@@ -548,6 +561,7 @@ class FakeRos:
             client.follow()
         for action_client in list(self.action_clients):
             action_client.follow()
+        self.told.on_graph_change()
         for watch in list(self.watches):
             if watch in self.watches:
                 watch.on_change()

@@ -10,10 +10,13 @@ from rclpy.node import Node
 from gateway.sources.actions import GoalRequest
 from gateway.sources.rclpy.executor import ExecutorThread
 from gateway.sources.rclpy.interfaces import message_class
+from gateway.sources.rclpy.made_types import MadeTypes
 from gateway.sources.rclpy.profile import to_profile
 from gateway.sources.rclpy.qos import adopt, complete_offer
 from gateway.sources.services import ServiceRequest
 from gateway.sources.source import Qos, Sample
+from schemas.definition import parse_definition
+from schemas.installed import InstalledDefinitions
 from tests.sources.nodes import open_node
 from tests.sources.outside_actions import (
     ACTION_SERVICES,
@@ -63,6 +66,13 @@ class Outside:
 
     def add_publisher(self, topic: str, type_name: str, qos: Qos | None = None) -> OutsidePublisher:
         return OutsidePublisher(self.node, topic, type_name, qos or Qos())
+
+    def add_described_publisher(self, topic: str, type_name: str, text: str) -> Any:
+        """Publish a type that no other process has a file of. Its node has the definition."""
+        told = {type_name: parse_definition(type_name, text)}
+        definitions = InstalledDefinitions().with_told(told)
+        made = MadeTypes().get(told[type_name], definitions)
+        return self.node.create_publisher(made, topic, 10)
 
     def add_subscription(
         self,

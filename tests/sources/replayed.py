@@ -18,7 +18,6 @@ from gateway.sources.source import (
     Sample,
     TopicEvent,
     TopicInfo,
-    TypeHolder,
 )
 from schemas.definition import Definition, parse_definition
 from schemas.installed import InstalledDefinitions
@@ -99,13 +98,6 @@ class ReplaySource:
     async def definitions(self, type_name: str) -> Mapping[str, Definition] | None:
         """Return all definitions, because the file has them anyway."""
         return self.carried if type_name in self.carried else None
-
-    def type_holders(self, topic: str, type_name: str) -> Sequence[TypeHolder]:
-        """Return the only node, which shows no hash."""
-        return [TypeHolder(NODE, "")] if type_name in self.topic_types(topic) else []
-
-    async def make_types(self) -> None:
-        """Do nothing: any type can be replayed."""
 
     def topics(self) -> Mapping[str, Sequence[str]]:
         """Return the types of all topics."""

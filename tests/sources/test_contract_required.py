@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """The contract of the part that every source has: topics, graph, and clock."""
 
+import asyncio
+import contextlib
 from collections.abc import Sequence
 
 import pytest
 
-from gateway.sources.source import MAX_TAKES_PER_TURN, Qos, Sample
-from tests.client import eventually
+from gateway.sources.source import MAX_TAKES_PER_TURN, Qos, RosError, Sample
+from schemas.definition import parse_definition
+from schemas.type_hash import individual_description
+from tests.client import TIMEOUT_S, eventually
 from tests.sources.conftest import Robot
 from tests.sources.test_contract import INT32, number, subscribe, until_it_flows
 
@@ -98,6 +102,21 @@ async def test_an_unknown_name_has_no_type(robot: Robot) -> None:
     for types in (robot.ros.topic_types, robot.ros.service_types, robot.ros.action_types):
         assert types("/nothing") == ()
     assert await robot.ros.definitions("no_msgs/msg/Nothing") is None
+
+
+async def test_a_definition_is_had_of_the_source_wherever_it_has_it_from(robot: Robot) -> None:
+    name, text = "far_msgs/msg/Lamp", "bool on\nfloat32[2] power\n"
+    robot.world.add_described_publisher("/lamp", name, text)
+    await eventually(lambda: robot.ros.topic_types("/lamp") == (name,))
+    asked_until_s = asyncio.get_running_loop().time() + TIMEOUT_S
+    found = None
+    while found is None and asyncio.get_running_loop().time() < asked_until_s:
+        with contextlib.suppress(RosError):  # the node may not have introduced itself yet
+            found = await robot.ros.definitions(name)
+        await asyncio.sleep(0.05)
+    assert found is not None
+    expected = parse_definition(name, text)
+    assert individual_description(found[name]) == individual_description(expected)
 
 
 async def test_watches_are_closed_twice_without_harm(robot: Robot) -> None:

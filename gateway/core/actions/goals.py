@@ -8,7 +8,6 @@ from typing import Final
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import ActionType
-from gateway.core.client_cache import ClientCache
 from gateway.core.deadline import Deadline
 from gateway.core.entries import NOTHING, Frame
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit
@@ -20,6 +19,7 @@ from gateway.core.service_clients import encode_values
 from gateway.core.session import Session
 from gateway.core.tasks import Metered, answered
 from gateway.sources.actions import ActionClient, Goal
+from gateway.sources.client_cache import ClientCache
 from gateway.sources.source import Ros
 
 # An action server accepts or rejects a goal at once. The goal itself may take hours.

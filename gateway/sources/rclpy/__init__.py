@@ -32,7 +32,7 @@ async def open_ros(
 
     With *definitions*, publishers and subscribers that have another definition of a type are
     reported, and servers that have one are not called. If it *makes_types*, types that are defined
-    and not installed can be used at once, see `gateway.sources.source.Source.make_types`.
+    and not installed can be used at once, see `MessageClasses.make_types`.
 
     The *guard* ends with the context. Without one, nobody drives.
 

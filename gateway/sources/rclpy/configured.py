@@ -48,6 +48,7 @@ def ros_options(config: Config) -> RosOptions:
         max_entities=config.limits.max_ros_entities,
         reserved_topics=config.control.topics,
         reserved_entities=config.limits.reserved_ros_entities,
+        asks_nodes=config.types.ask_nodes,
     )
 
 

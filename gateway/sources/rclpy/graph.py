@@ -19,10 +19,11 @@ from rclpy.action.graph import get_action_server_names_and_types_by_node
 from rclpy.node import Node
 
 from gateway.sources.rclpy.errors import REFUSALS
+from gateway.sources.rclpy.node_definitions import TypeHolder
 from gateway.sources.rclpy.profile import endpoint_node, full_name, to_endpoint
 from gateway.sources.rclpy.qos import UNKNOWN_NODE, Endpoint
 from gateway.sources.rclpy.rclpy_private import GraphWaitSet
-from gateway.sources.source import Graph, ServerInfo, TopicInfo, TypeHolder
+from gateway.sources.source import Graph, ServerInfo, TopicInfo
 
 # A new node causes dozens of changes within a few milliseconds: look once they are over. Far below
 # the 100 ms in which a subscription is to follow its publishers.
@@ -154,7 +155,7 @@ def read_requests(node: Node, topic: str) -> list[Endpoint]:
 def read_holders(
     node: Node, topic: str, type_name: str, own_nodes: Container[str]
 ) -> tuple[TypeHolder, ...]:
-    """Return the nodes that have a type. See `gateway.sources.source.Source.type_holders`."""
+    """Return the nodes that have a type. See `AskedRos.type_holders`."""
     endpoints = [*read_offers(node, topic), *read_requests(node, topic)]
     return tuple(
         dict.fromkeys(

@@ -41,8 +41,16 @@ class MessageClasses:
         self._revision = 0  # of the definitions
         self._hashes: dict[str, str] = {}  # of the types that were used
 
+    @property
+    def definitions(self) -> InstalledDefinitions | None:
+        """What is known of the types that are not installed."""
+        return self._definitions
+
     async def make_types(self) -> None:
-        """Make types from now on, or refuse them in words where this ROS does not take them."""
+        """Make types from now on, or refuse them if this ROS does not take them.
+
+        It takes a second, the first time.
+        """
         if self._trying is None:
             self._trying = asyncio.create_task(why_types_cannot_be_made())
         self.allow_made_types(await asyncio.shield(self._trying))

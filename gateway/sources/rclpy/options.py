@@ -22,6 +22,7 @@ class RosOptions:
     reserved_entities: int = 16  # of these, for publishers of reserved topics
     reserved_topics: tuple[str, ...] = ("/cmd_vel",)
     arguments: tuple[str, ...] = ()  # as ROS takes them: ("--ros-args", "-r", "a:=b")
+    asks_nodes: bool = True  # for definitions that are not installed here
     taking: Taking = "auto"  # how the loop learns of messages: `gateway.sources.rclpy.ready_events`
 
     @property

@@ -3,7 +3,7 @@
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Final, Self, assert_never
@@ -33,6 +33,7 @@ from gateway.sources.rclpy.graph import (
     read_types,
 )
 from gateway.sources.rclpy.message_classes import MessageClasses
+from gateway.sources.rclpy.node_definitions import NodeDefinitions, TypeHolder
 from gateway.sources.rclpy.nodes import Nodes
 from gateway.sources.rclpy.options import RosOptions, check_room
 from gateway.sources.rclpy.publishers import Publishers, RclpyPublisher
@@ -53,8 +54,8 @@ from gateway.sources.source import (
     Sample,
     ServerInfo,
     TopicEvent,
-    TypeHolder,
 )
+from schemas.definition import Definition
 
 _DISTRO: Final = distro()  # which reads a file
 
@@ -132,6 +133,7 @@ class RclpyRos:
             )
             undo.callback(self._actions.close)
             self._watches = self._open_watches(loop, undo)
+            self._told = self._open_definitions(undo)
             self._changes = [
                 undo.enter_context(contextlib.closing(GraphChanges(node, loop, on_change)))
                 for node, on_change in (
@@ -216,11 +218,12 @@ class RclpyRos:
         self._check_action(action, type_name)
         return self._actions.serve(action, type_name, on_goal, on_cancel)
 
-    async def definitions(self, _: str) -> None:
-        """Carry none. See the port."""
+    async def definitions(self, type_name: str) -> Mapping[str, Definition] | None:
+        """Ask nodes for the definition of a type. See the port."""
+        return None if self._told is None else await self._told.of(type_name)
 
     async def make_types(self) -> None:
-        """Find out whether types can be made here. See the port."""
+        """Find out whether types can be made here. See `AskedRos`."""
         await self._classes.make_types()
 
     def topics(self) -> dict[str, list[str]]:
@@ -228,7 +231,7 @@ class RclpyRos:
         return dict(self._debug.get_topic_names_and_types())
 
     def type_holders(self, topic: str, type_name: str) -> tuple[TypeHolder, ...]:
-        """Return the nodes that have a type. See the port."""
+        """Return the nodes that have a type. See `AskedRos`."""
         own = self._nodes.own | {self._options.guard_node}
         return read_holders(self._debug, topic, type_name, own)
 
@@ -348,6 +351,14 @@ class RclpyRos:
         watches.add(self._same_names.look)
         return watches
 
+    def _open_definitions(self, undo: contextlib.ExitStack) -> NodeDefinitions | None:
+        known = self._classes.definitions
+        if known is None or not self._options.asks_nodes:
+            return None
+        told = NodeDefinitions(self, known, self._watches.notify)
+        undo.callback(told.close)
+        return told
+
     def _check_topic(self, topic: str, type_name: str, *, is_reserved: bool = False) -> None:
         known = self._type_of_topic(topic)
         self._check_new(f"topic {topic}", type_name, known, is_reserved=is_reserved)
@@ -417,4 +428,6 @@ class RclpyRos:
         self._publishers.follow_subscribers()
         self._services.follow_graph()
         self._actions.follow_graph()
+        if self._told is not None:
+            self._told.on_graph_change()
         self._watches.notify()

@@ -217,7 +217,7 @@ async def test_the_ros_client_lingers_for_the_next_call_and_then_goes(
     client.send(op="call_service", service="/arm")
     await client.sees(1, "service_response")
     (ros_client,) = [each for each in bench.ros.clients if bench.ros.is_own(each.node)]
-    monkeypatch.setattr("gateway.core.client_cache.IDLE_S", 0.01)
+    monkeypatch.setattr("gateway.sources.client_cache.IDLE_S", 0.01)
     client.send(op="call_service", service="/arm")
     await client.sees(2, "service_response")
     assert ros_client in bench.ros.clients or not bench.ros.entity_count()

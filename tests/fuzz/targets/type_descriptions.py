@@ -10,7 +10,7 @@ from gateway.codec.types import Types
 from schemas.definition import Definition, DefinitionError, parse_definition
 from schemas.described import described_definitions
 from schemas.installed import InstalledDefinitions, UnknownTypeError
-from schemas.learning import learn
+from schemas.learning import believed
 from schemas.type_hash import computed_type_hash, individual_description
 from tests.fuzz.choices import Choices
 from tests.fuzz.target import Target, check
@@ -55,7 +55,7 @@ def run(data: bytes) -> None:
         told = described_definitions(answer)
         there = definitions.with_told(told)
         hashed = computed_type_hash(there.get(NAME), there)
-        learn(definitions, NAME, told, hashed, {})
+        definitions.tell(believed(definitions, NAME, told, hashed, {}))
     except (DefinitionError, UnknownTypeError) as error:
         check(0 < len(str(error)) < 2000, "a long refusal", str(error)[:2000])
         check(not definitions.told, "refused and learned")

@@ -3,8 +3,8 @@
 
 import pytest
 
-from gateway.core import client_cache
-from gateway.core.client_cache import ClientCache
+from gateway.sources import client_cache
+from gateway.sources.client_cache import ClientCache
 from tests.client import eventually
 from tests.clock import StoppedClock
 
