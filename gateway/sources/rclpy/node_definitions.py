@@ -13,7 +13,7 @@ from typing import Any, Final, NamedTuple, Protocol
 from gateway.codec.errors import CodecError
 from gateway.codec.types import Types
 from gateway.sources.client_cache import ClientCache
-from gateway.sources.services import ServiceClient
+from gateway.sources.services import ServiceClient, Services
 from gateway.sources.source import RosError
 from schemas.definition import Definition, DefinitionError
 from schemas.described import described_definitions
@@ -67,8 +67,9 @@ class AskedRos(Protocol):
     def service_types(self, service: str) -> tuple[str, ...]:
         """Return the types of a service."""
 
-    def client(self, service: str, type_name: str) -> ServiceClient:
-        """Create a client of a service."""
+    @property
+    def services(self) -> Services:
+        """The part that calls services."""
 
     async def make_types(self) -> None:
         """Find out whether topics of types that are not installed can be used here."""
@@ -197,7 +198,7 @@ class NodeDefinitions:
         }
         service_type = self._types.service(_SERVICE_TYPE)
         key = service, _SERVICE_TYPE
-        with self._clients.use(key, lambda: self._ros.client(*key)) as client:
+        with self._clients.use(key, lambda: self._ros.services.client(*key)) as client:
             response = await client.call(service_type.request.encode(request, 0))
         return service_type.response.decode(response)
 

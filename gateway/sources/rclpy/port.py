@@ -3,8 +3,7 @@
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Final, Self, assert_never
 
@@ -12,11 +11,7 @@ from rclpy.node import Node
 
 from gateway.faults import Fault
 from gateway.guard.supervisor import GuardProcess
-from gateway.sources.actions import GoalRequest
 from gateway.sources.rclpy import rclpy_private
-from gateway.sources.rclpy.action_client import RclpyActionClient
-from gateway.sources.rclpy.action_entities import RclpyActions
-from gateway.sources.rclpy.action_server import RclpyActionServer
 from gateway.sources.rclpy.deferred_destruction import DeferredDestruction
 from gateway.sources.rclpy.distro import distro
 from gateway.sources.rclpy.endpoints import Endpoints
@@ -24,14 +19,11 @@ from gateway.sources.rclpy.errors import REFUSALS, refused
 from gateway.sources.rclpy.executor import ExecutorThread
 from gateway.sources.rclpy.graph import (
     GraphChanges,
-    read_actions,
-    read_all_services,
-    read_graph,
     read_holders,
     read_nodes,
     read_readers,
-    read_types,
 )
+from gateway.sources.rclpy.known_graph import KnownGraph
 from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.node_definitions import NodeDefinitions, TypeHolder
 from gateway.sources.rclpy.nodes import Nodes
@@ -41,18 +33,15 @@ from gateway.sources.rclpy.qos_events import QosEvents
 from gateway.sources.rclpy.raw_subscriptions import RawSubscription, RawSubscriptions
 from gateway.sources.rclpy.same_names import SameNames
 from gateway.sources.rclpy.samples import Samples
-from gateway.sources.rclpy.service_entities import RclpyClient, RclpyService, RclpyServices
+from gateway.sources.rclpy.servers import RclpyActions, RclpyServices
 from gateway.sources.rclpy.time_jumps import JumpWatch
 from gateway.sources.rclpy.wait_set_events import WaitSetReadyEvents, open_ready_events
 from gateway.sources.rclpy.watches import GraphWatch, GraphWatches
-from gateway.sources.services import ServiceRequest
 from gateway.sources.source import (
-    Graph,
     LogLevel,
     Qos,
     RosError,
     Sample,
-    ServerInfo,
     TopicEvent,
 )
 from schemas.definition import Definition
@@ -84,11 +73,6 @@ class RclpyRos:
         loop = asyncio.get_running_loop()
         self._options, self.guard = options, guard
         self._classes = classes or MessageClasses()
-        # read from the graph, kept until it changes
-        self._graph: Graph | None = None
-        self._types: dict[str, tuple[str, ...]] = {}
-        self._service_types: dict[str, tuple[str, ...]] | None = None
-        self._action_types: dict[str, tuple[str, ...]] | None = None
         with contextlib.ExitStack() as undo:
             try:
                 self._nodes = nodes = Nodes(options, undo)
@@ -108,30 +92,43 @@ class RclpyRos:
             samples = undo.enter_context(
                 contextlib.closing(Samples(nodes.subscribing, self._ready_events))
             )
+            self._deferred = DeferredDestruction(loop)
+            # The parts are opened below, and tell the graph of their changes.
+            self._known = KnownGraph(
+                nodes,
+                options,
+                self._deferred,
+                lambda: self.services.provided(),
+                lambda: self.actions.provided(),
+            )
+            self.graph = self._known.whole
+            self.topic_types = self._known.topic_types
+            self.service_types = self._known.service_types
+            self.action_types = self._known.action_types
             events = QosEvents(loop)
             self._subscriptions = RawSubscriptions(
-                nodes.subscribing, samples, events, loop, self._topics_changed, self._classes
+                nodes.subscribing, samples, events, loop, self._known.topics_changed, self._classes
             )
             undo.callback(self._subscriptions.close)
-            self._deferred = DeferredDestruction(loop)
             undo.callback(self._deferred.close)
             open_publishers = partial(self._open_publishers, events, undo)
             self._publishers = open_publishers(nodes.publishing, nodes.publishing_on)
             self._own_publishers = open_publishers(self._debug, lambda _: self._debug)
             endpoints = Endpoints(nodes.serving, self._ready_events, loop)
-            self._services = RclpyServices(
-                endpoints, self._deferred, self._services_changed, self._classes
+            shared = (self._classes, self._check_new)
+            self.services = RclpyServices(
+                endpoints, self._deferred, self._known.services_changed, *shared
             )
-            undo.callback(self._services.close)
-            self._actions = RclpyActions(
+            undo.callback(self.services.close)
+            self.actions = RclpyActions(
                 endpoints,
-                samples,
                 self._deferred,
-                self.now_ns,
-                self._actions_changed,
-                self._classes,
+                self._known.actions_changed,
+                *shared,
+                samples=samples,
+                now_ns=self.now_ns,
             )
-            undo.callback(self._actions.close)
+            undo.callback(self.actions.close)
             self._watches = self._open_watches(loop, undo)
             self._told = self._open_definitions(undo)
             self._changes = [
@@ -155,7 +152,7 @@ class RclpyRos:
         """The part that publishes. See the port."""
         return self
 
-    services = actions = diagnosis = publishing
+    diagnosis = publishing
 
     @property
     def distro(self) -> str:
@@ -190,34 +187,6 @@ class RclpyRos:
         self._check_type(f"topic {topic}", type_name, self._type_of_topic(topic))
         return self._own_publishers.advertise(topic, type_name, qos, lambda _: None)
 
-    def client(self, service: str, type_name: str) -> RclpyClient:
-        """Create a client of a service by its fully resolved name. See the port."""
-        self._check_service(service, type_name)
-        return self._services.client(service, type_name)
-
-    def serve(
-        self, service: str, type_name: str, on_request: Callable[[ServiceRequest], None]
-    ) -> RclpyService:
-        """Provide a service by its fully resolved name. See the port."""
-        self._check_service(service, type_name)
-        return self._services.serve(service, type_name, on_request)
-
-    def action_client(self, action: str, type_name: str) -> RclpyActionClient:
-        """Create a client of an action by its fully resolved name. See the port."""
-        self._check_action(action, type_name)
-        return self._actions.client(action, type_name)
-
-    def serve_action(
-        self,
-        action: str,
-        type_name: str,
-        on_goal: Callable[[GoalRequest], None],
-        on_cancel: Callable[[GoalRequest], None],
-    ) -> RclpyActionServer:
-        """Provide an action by its fully resolved name. See the port."""
-        self._check_action(action, type_name)
-        return self._actions.serve(action, type_name, on_goal, on_cancel)
-
     async def definitions(self, type_name: str) -> Mapping[str, Definition] | None:
         """Ask nodes for the definition of a type. See the port."""
         return None if self._told is None else await self._told.of(type_name)
@@ -239,43 +208,6 @@ class RclpyRos:
         """Return the ids of other nodes' subscriptions, as they are known now. See the port."""
         nodes = self._nodes
         return read_readers(nodes.publishing_on(topic), topic, nodes.own, nodes.own_participants)
-
-    def topic_types(self, topic: str) -> tuple[str, ...]:
-        """Return the types of a topic. See the port. Kept until the graph changes."""
-        known = self._types.get(topic)
-        if known is None:
-            nodes, guard = self._nodes, self._options.guard_node
-            publishing = nodes.publishing_on(topic)
-            known = read_types(nodes.debug, topic, nodes.own, guard, publishing)
-            if known:  # clients may name any number of topics that do not exist
-                self._types[topic] = known
-        return known
-
-    def service_types(self, service: str) -> tuple[str, ...]:
-        """Return the types of a service. See the port. Kept until the graph changes."""
-        # A change is reported a little after it happens: a name that is not known may be new.
-        if self._service_types is None or service not in self._service_types:
-            found = self._services_here(read_all_services(self._debug))
-            self._service_types = {each.name: each.types for each in found}
-        return self._service_types.get(service, ())
-
-    def action_types(self, action: str) -> tuple[str, ...]:
-        """Return the types of an action. See `service_types`."""
-        if self._action_types is None or action not in self._action_types:
-            found = self._actions_here(read_actions(self._debug))
-            self._action_types = {each.name: each.types for each in found}
-        return self._action_types.get(action, ())
-
-    def graph(self) -> Graph:
-        """Return the graph as it is known now. Kept until it changes."""
-        if self._graph is None:
-            graph = read_graph(self._debug, self._options.hidden_nodes)
-            self._graph = replace(
-                graph,
-                services=self._services_here(graph.services),
-                actions=self._actions_here(graph.actions),
-            )
-        return self._graph
 
     def watch_graph(self, on_change: Callable[[], None]) -> GraphWatch:
         """Call *on_change* soon after the graph has changed."""
@@ -319,7 +251,7 @@ class RclpyRos:
 
     def entity_count(self) -> int:
         """Count the handles of all kinds that are open through this port."""
-        parts = (self._subscriptions, self._publishers, self._services, self._actions)
+        parts = (self._subscriptions, self._publishers, self.services, self.actions)
         return sum(len(part) for part in parts)
 
     def _open_publishers(
@@ -333,7 +265,7 @@ class RclpyRos:
             node,
             node_for,
             self._deferred,
-            self._topics_changed,
+            self._known.topics_changed,
             self._nodes.own,
             events,
             self._classes,
@@ -367,12 +299,6 @@ class RclpyRos:
         parts = (self._subscriptions, self._publishers, self._own_publishers)
         return next(filter(None, (part.type_of(topic) for part in parts)), None)
 
-    def _check_service(self, service: str, type_name: str) -> None:
-        self._check_new(f"service {service}", type_name, self._services.type_of(service))
-
-    def _check_action(self, action: str, type_name: str) -> None:
-        self._check_new(f"action {action}", type_name, self._actions.type_of(action))
-
     def _check_new(
         self, subject: str, type_name: str, known: str | None, *, is_reserved: bool = False
     ) -> None:
@@ -385,49 +311,17 @@ class RclpyRos:
             raise RosError("type_conflict", f"{subject} is open here as {known}, not {type_name}")
         self._deferred.destroy_now(subject, except_type=type_name)
 
-    # Entities of this port change the graph at once, without waiting for a report.
-
-    def _services_here(self, found: Iterable[ServerInfo]) -> tuple[ServerInfo, ...]:
-        return self._as_here("service", found, self._services.provided())
-
-    def _actions_here(self, found: Iterable[ServerInfo]) -> tuple[ServerInfo, ...]:
-        return self._as_here("action", found, self._actions.provided())
-
-    def _as_here(
-        self, kind: str, found: Iterable[ServerInfo], provided: Iterable[ServerInfo]
-    ) -> tuple[ServerInfo, ...]:
-        """Add what DDS has to find yet. Leave out what awaits its deferred destruction."""
-        known = {each.name: each for each in (*provided, *found)}
-        return tuple(
-            known[name]
-            for name in sorted(known)
-            if not (set(known[name].nodes) <= self._nodes.own)
-            or not self._deferred.is_deferred(f"{kind} {name}")
-        )
-
-    def _topics_changed(self) -> None:
-        self._graph = None
-        self._types.clear()
-
-    def _services_changed(self) -> None:
-        self._graph = None
-        self._service_types = None
-
-    def _actions_changed(self) -> None:
-        self._services_changed()
-        self._action_types = None
-
     def _command_topics_changed(self) -> None:
-        self._types.clear()
+        self._known.topics_changed()
         self._watches.notify()
 
     def _graph_changed(self) -> None:
-        self._topics_changed()
-        self._actions_changed()
+        self._known.topics_changed()
+        self._known.actions_changed()
         self._subscriptions.follow_publishers()
         self._publishers.follow_subscribers()
-        self._services.follow_graph()
-        self._actions.follow_graph()
+        self.services.follow_graph()
+        self.actions.follow_graph()
         if self._told is not None:
             self._told.on_graph_change()
         self._watches.notify()

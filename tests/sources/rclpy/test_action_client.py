@@ -39,7 +39,7 @@ async def ros() -> AsyncIterator[RclpyRos]:
 async def test_goals_that_have_ended_leave_nothing_behind(ros: RclpyRos, outside: Outside) -> None:
     provider = Provider()
     outside.add_action_server("/dock", FIBONACCI, *provider.callbacks, accepts=accepts_small)
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     for order in range(5):
         accepted = await soon(client.send_goal(goal(order), ignore))
         accepted.cancel()
@@ -58,10 +58,10 @@ def accepts_small(cdr: bytes) -> bool:
 
 async def test_goals_of_two_clients_do_not_mix(ros: RclpyRos, outside: Outside) -> None:
     provider = Provider()
-    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    ros.actions.serve_action("/dock", FIBONACCI, *provider.callbacks)
     heard: list[list[list[int]]] = [[], []]
     clients: list[Any] = [
-        ros.action_client("/dock", FIBONACCI),
+        ros.actions.action_client("/dock", FIBONACCI),
         outside.add_action_client("/dock", FIBONACCI),
     ]
     accepted = [
@@ -83,7 +83,7 @@ async def test_a_goal_outlives_a_moment_in_which_its_action_is_unready(ros, outs
         return True
 
     outside.add_action_server("/dock", FIBONACCI, *provider.callbacks, accepts=accept)
-    accepted = await soon(ros.action_client("/dock", FIBONACCI).send_goal(goal(3), ignore))
+    accepted = await soon(ros.actions.action_client("/dock", FIBONACCI).send_goal(goal(3), ignore))
     accepted.cancel()
     await eventually(lambda: len(provider.cancels) == 1)
     provider.goals[-1].finish(SUCCEEDED, sequence(3))
@@ -92,8 +92,8 @@ async def test_a_goal_outlives_a_moment_in_which_its_action_is_unready(ros, outs
 
 async def test_feedback_that_came_before_the_result_is_heard_before_it(ros: RclpyRos) -> None:
     provider = Provider()
-    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
-    client = ros.action_client("/dock", FIBONACCI)
+    ros.actions.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     asyncio.get_running_loop().remove_reader(client._feedback._source._fd)  # it is slow
     heard: list[bytes] = []
     accepted = await soon(client.send_goal(goal(3), heard.append))
@@ -114,8 +114,10 @@ async def test_a_goal_that_its_server_has_forgotten_has_no_result(ros, monkeypat
 
     monkeypatch.setattr(action_server, "RESULT_KEPT_S", 0.0)
     monkeypatch.setattr(RclpyActionServer, "_answer_result", answer_late)
-    ros.serve_action("/dock", FIBONACCI, lambda each: each.finish(SUCCEEDED, sequence()), ignore)
-    accepted = await soon(ros.action_client("/dock", FIBONACCI).send_goal(goal(3), ignore))
+    ros.actions.serve_action(
+        "/dock", FIBONACCI, lambda each: each.finish(SUCCEEDED, sequence()), ignore
+    )
+    accepted = await soon(ros.actions.action_client("/dock", FIBONACCI).send_goal(goal(3), ignore))
     with pytest.raises(RosError, match="action /dock does not know the goal") as caught:
         await soon(accepted.result())
     assert caught.value.code == "not_found"
@@ -131,7 +133,7 @@ class Slow:
         monkeypatch.setattr(
             RclpyActionServer, "_accept", lambda *request: self.requests.append(request)
         )
-        self.server = ros.serve_action("/dock", FIBONACCI, *self.provider.callbacks)
+        self.server = ros.actions.serve_action("/dock", FIBONACCI, *self.provider.callbacks)
 
     async def gets_goal_that_is_given_up(self, client: RclpyActionClient) -> None:
         count = len(self.requests)
@@ -150,7 +152,7 @@ def slow(ros: RclpyRos, monkeypatch: pytest.MonkeyPatch) -> Slow:
 
 
 async def test_a_goal_that_is_accepted_too_late_is_cancelled(ros: RclpyRos, slow: Slow) -> None:
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     await slow.gets_goal_that_is_given_up(client)
     slow.accept(0)
     await eventually(lambda: slow.provider.cancels == slow.provider.goals != [])
@@ -160,7 +162,7 @@ async def test_a_goal_that_is_accepted_too_late_is_cancelled(ros: RclpyRos, slow
 
 
 async def test_a_closed_client_stays_until_goals_that_were_given_up_are_decided(ros, slow):
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     for _ in range(2):
         await slow.gets_goal_that_is_given_up(client)
     client.close()
@@ -173,7 +175,7 @@ async def test_a_closed_client_stays_until_goals_that_were_given_up_are_decided(
 
 
 async def test_other_requests_of_a_client_fail_when_it_closes_though_it_stays(ros, slow):
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     heard: list[bytes] = []
     sending = asyncio.ensure_future(client.send_goal(goal(3), heard.append))
     await eventually(lambda: len(slow.requests) == 1)
@@ -195,7 +197,7 @@ async def test_other_requests_of_a_client_fail_when_it_closes_though_it_stays(ro
 
 
 async def test_a_closed_client_waits_for_a_decision_for_30_s(ros: RclpyRos, slow: Slow) -> None:
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     await slow.gets_goal_that_is_given_up(client)
     loop = asyncio.get_running_loop()
     before = loop.time()
@@ -205,14 +207,14 @@ async def test_a_closed_client_waits_for_a_decision_for_30_s(ros: RclpyRos, slow
 
 async def test_a_closed_client_waits_for_a_decision_only_so_long(ros, slow, monkeypatch):
     monkeypatch.setattr(action_client, "_ABANDONED_S", 0.01)
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     await slow.gets_goal_that_is_given_up(client)
     client.close()
     await eventually(lambda: ros.entity_count() == 1)
 
 
 async def test_a_closed_client_does_not_wait_for_a_server_that_has_gone(ros, slow):
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     await slow.gets_goal_that_is_given_up(client)
     client.close()
     slow.server.close()
@@ -220,7 +222,7 @@ async def test_a_closed_client_does_not_wait_for_a_server_that_has_gone(ros, slo
 
 
 async def test_closing_the_port_waits_for_no_decision(ros: RclpyRos, slow: Slow) -> None:
-    clients = [ros.action_client("/dock", FIBONACCI) for _ in range(2)]
+    clients = [ros.actions.action_client("/dock", FIBONACCI) for _ in range(2)]
     for client in clients:
         await slow.gets_goal_that_is_given_up(client)
     clients[0].close()
@@ -229,13 +231,13 @@ async def test_closing_the_port_waits_for_no_decision(ros: RclpyRos, slow: Slow)
 
 
 async def test_a_goal_that_is_given_up_while_it_waits_is_never_sent(ros: RclpyRos) -> None:
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     sending = asyncio.ensure_future(client.send_goal(goal(3), ignore))
     await asyncio.sleep(0)
     sending.cancel()
     await eventually(sending.cancelled)
     provider = Provider()
-    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    ros.actions.serve_action("/dock", FIBONACCI, *provider.callbacks)
     assert await soon(client.send_goal(goal(4), ignore)) is not None
     assert [each.cdr for each in provider.goals] == [goal(4)]
 
@@ -256,7 +258,7 @@ async def test_a_goal_waits_until_its_feedback_can_be_heard(ros, outside):
     ]
     for part_class, part, answer in services:
         outside.node.create_service(part_class, f"/dock/_action/{part}", answer)
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     sending = asyncio.ensure_future(client.send_goal(goal(3), ignore))
     for requester in (client._goals, client._results, client._cancels):
         await eventually(requester._client.service_is_ready)
@@ -270,7 +272,7 @@ async def test_a_goal_waits_until_its_feedback_can_be_heard(ros, outside):
 
 async def test_an_action_of_this_process_gets_its_goals_at_once(ros, slow, monkeypatch):
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     sends = [asyncio.ensure_future(client.send_goal(goal(3), ignore)) for _ in range(15)]
     await eventually(lambda: len(slow.requests) == len(sends))
     for sending in sends:
@@ -281,16 +283,16 @@ async def test_an_action_of_which_a_part_is_refused_leaves_nothing(ros, monkeypa
     def refuse(*_: object, **__: object) -> None:
         raise RuntimeError("not today")
 
-    node: Node = ros._services._endpoints.node
+    node: Node = ros.services._endpoints.node
     hearing: Node = ros._subscriptions._samples.node
     before = entities_of(node, hearing)
     with monkeypatch.context() as patch:
         patch.setattr(node, "create_service", refuse)
         with pytest.raises(RosError, match="action /dock: not today"):
-            ros.serve_action("/dock", FIBONACCI, ignore, ignore)
+            ros.actions.serve_action("/dock", FIBONACCI, ignore, ignore)
         patch.setattr(node, "create_client", refuse)
         with pytest.raises(RosError, match="action /dock: not today"):
-            ros.action_client("/dock", FIBONACCI)
+            ros.actions.action_client("/dock", FIBONACCI)
     assert entities_of(node, hearing) == before
     assert ros.entity_count() == 0
 
@@ -311,7 +313,7 @@ async def test_a_client_that_closes_stays_until_all_its_cancels_are_answered(
 ) -> None:
     provider = Provider()
     outside.add_action_server("/dock", FIBONACCI, *provider.callbacks)
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     goals = await accepted_goals(client, provider, 16)
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     for accepted in goals:
@@ -324,9 +326,9 @@ async def test_a_client_that_closes_stays_until_all_its_cancels_are_answered(
 
 async def test_closing_the_port_sends_all_cancels(ros: RclpyRos) -> None:
     provider = Provider()
-    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    ros.actions.serve_action("/dock", FIBONACCI, *provider.callbacks)
     closing = RclpyRos(RosOptions(node_prefix="closing"))
-    client = closing.action_client("/dock", FIBONACCI)
+    client = closing.actions.action_client("/dock", FIBONACCI)
     goals = await accepted_goals(client, provider, 16)
     for accepted in goals:
         accepted.cancel()
@@ -339,8 +341,8 @@ async def test_a_closed_client_waits_for_the_answer_to_a_cancel_only_so_long(ros
     monkeypatch.setattr(action_client, "_ABANDONED_S", 0.01)
     monkeypatch.setattr(RclpyActionServer, "_cancel", ignore)
     provider = Provider()
-    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
-    client = ros.action_client("/dock", FIBONACCI)
+    ros.actions.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     [accepted] = await accepted_goals(client, provider, 1)
     accepted.cancel()
     client.close()
@@ -350,8 +352,8 @@ async def test_a_closed_client_waits_for_the_answer_to_a_cancel_only_so_long(ros
 async def test_a_goal_that_has_ended_waits_for_no_answer_to_its_cancel(ros, monkeypatch):
     monkeypatch.setattr(RclpyActionServer, "_cancel", ignore)
     provider = Provider()
-    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
-    client = ros.action_client("/dock", FIBONACCI)
+    ros.actions.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     [accepted] = await accepted_goals(client, provider, 1)
     accepted.cancel()
     await eventually(lambda: bool(client._cancels._under_way))
@@ -366,7 +368,7 @@ async def test_the_last_of_many_goals_may_end_first(ros, outside, monkeypatch):
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     provider = Provider()
     outside.add_action_server("/dock", FIBONACCI, *provider.callbacks)
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     goals = await accepted_goals(client, provider, 16)
     provider.goals[-1].finish(SUCCEEDED, sequence(1))
     assert await soon(goals[-1].result()) == (SUCCEEDED, sequence(1))
@@ -375,8 +377,8 @@ async def test_the_last_of_many_goals_may_end_first(ros, outside, monkeypatch):
 async def test_a_burst_of_feedback_is_heard(ros: RclpyRos) -> None:
     heard: list[bytes] = []
     provider = Provider()
-    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
-    client = ros.action_client("/dock", FIBONACCI)
+    ros.actions.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     await soon(client.send_goal(goal(3), heard.append))
     await eventually(lambda: bool(provider.goals))
     for value in range(50):
@@ -389,10 +391,10 @@ async def test_a_server_knows_of_the_feedbacks_reader_before_it_can_accept(ros: 
     read, clients = samples.read, []
 
     def read_first(*arguments: Any) -> Any:
-        clients.append(len(list(ros._services._endpoints.node.clients)))
+        clients.append(len(list(ros.services._endpoints.node.clients)))
         return read(*arguments)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(samples, "read", read_first)
-        ros.action_client("/dock", FIBONACCI)
+        ros.actions.action_client("/dock", FIBONACCI)
     assert clients == [0]

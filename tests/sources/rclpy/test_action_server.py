@@ -38,8 +38,8 @@ class Caller:
         self._ros = ros
         self.provider = Provider()
         self.clock = Clock()
-        ros._actions._now_ns = lambda: self.clock.now_ns
-        self.server = ros.serve_action("/dock", FIBONACCI, *self.provider.callbacks)
+        ros.actions._now_ns = lambda: self.clock.now_ns
+        self.server = ros.actions.serve_action("/dock", FIBONACCI, *self.provider.callbacks)
         self.statuses: list[dict[bytes, int]] = []
         self._loop = asyncio.get_running_loop()
         create = outside.node.create_client

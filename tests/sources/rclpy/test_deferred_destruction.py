@@ -36,7 +36,7 @@ def publishers(ros: RclpyRos, topic: str) -> list[Any]:
 
 
 def services(ros: RclpyRos, name: str) -> list[Any]:
-    node = ros._services._endpoints.node
+    node = ros.services._endpoints.node
     return [each for each in node.services if each.service_name == name]
 
 
@@ -120,8 +120,8 @@ async def test_another_type_need_not_wait(ros: RclpyRos, is_read: bool) -> None:
 
 
 async def test_a_service_answers_those_who_have_not_heard_of_its_end(ros: RclpyRos) -> None:
-    service = ros.serve("/s", SET_BOOL, echo)
-    client = ros.client("/s", SET_BOOL)
+    service = ros.services.serve("/s", SET_BOOL, echo)
+    client = ros.services.client("/s", SET_BOOL)
     await soon(client.call(request(True)))
     service.close()
     assert await soon(client.call(request(True)))
@@ -129,21 +129,21 @@ async def test_a_service_answers_those_who_have_not_heard_of_its_end(ros: RclpyR
 
 
 async def test_a_service_that_is_provided_again_answers_alone(ros: RclpyRos) -> None:
-    service = ros.serve("/s", SET_BOOL, echo)
-    client = ros.client("/s", SET_BOOL)
+    service = ros.services.serve("/s", SET_BOOL, echo)
+    client = ros.services.client("/s", SET_BOOL)
     await soon(client.call(request(True)))
     service.close()
-    ros.serve("/s", SET_BOOL, echo)
+    ros.services.serve("/s", SET_BOOL, echo)
     assert len(services(ros, "/s")) == 1
 
 
 async def test_a_service_may_come_back_with_another_type_at_once(ros: RclpyRos) -> None:
-    service = ros.serve("/s", SET_BOOL, echo)
-    client = ros.client("/s", SET_BOOL)
+    service = ros.services.serve("/s", SET_BOOL, echo)
+    client = ros.services.client("/s", SET_BOOL)
     await soon(client.call(request(True)))
     service.close()
     client.close()
-    ros.serve("/s", TRIGGER, echo)
+    ros.services.serve("/s", TRIGGER, echo)
     assert len(services(ros, "/s")) == 1
 
 
@@ -157,12 +157,12 @@ async def test_nothing_is_left_when_all_ends() -> None:
 
 
 async def test_the_gateway_sees_the_end_at_once(ros: RclpyRos) -> None:
-    service = ros.serve("/s", SET_BOOL, echo)
-    await soon(ros.client("/s", SET_BOOL).call(request(True)))
-    action = ros.serve_action(
+    service = ros.services.serve("/s", SET_BOOL, echo)
+    await soon(ros.services.client("/s", SET_BOOL).call(request(True)))
+    action = ros.actions.serve_action(
         "/a", FIBONACCI, lambda goal: goal.finish(SUCCEEDED, sequence()), ignore
     )
-    await soon(ros.action_client("/a", FIBONACCI).send_goal(goal(1), ignore))
+    await soon(ros.actions.action_client("/a", FIBONACCI).send_goal(goal(1), ignore))
 
     def names() -> set[str]:
         return {each.name for each in (*ros.graph().services, *ros.graph().actions)}
@@ -177,8 +177,8 @@ async def test_the_gateway_sees_the_end_at_once(ros: RclpyRos) -> None:
 
 
 async def test_another_server_of_that_name_is_seen(ros: RclpyRos, outside: Outside) -> None:
-    service = ros.serve("/s", SET_BOOL, echo)
-    await soon(ros.client("/s", SET_BOOL).call(request(True)))
+    service = ros.services.serve("/s", SET_BOOL, echo)
+    await soon(ros.services.client("/s", SET_BOOL).call(request(True)))
     outside.add_service("/s", SET_BOOL, echo)
     await eventually(lambda: [len(s.nodes) for s in ros.graph().services if s.name == "/s"] == [2])
     service.close()

@@ -64,16 +64,18 @@ async def hears_itself(ros: Ros) -> None:
 async def leave_calls_open(ros: Ros) -> list[asyncio.Future[object]]:
     """Leave a call, a waiting call, a goal and a waiting goal under way."""
     requests: list[object] = []
-    ros.serve("/left_open", SET_BOOL, requests.append)
-    ros.serve_action("/left_open", FIBONACCI, requests.append, ignore)
+    ros.services.serve("/left_open", SET_BOOL, requests.append)
+    ros.actions.serve_action("/left_open", FIBONACCI, requests.append, ignore)
     left: list[asyncio.Future[object]] = [
-        asyncio.ensure_future(ros.client(name, SET_BOOL).call(b"\0\1\0\0\1"))
+        asyncio.ensure_future(ros.services.client(name, SET_BOOL).call(b"\0\1\0\0\1"))
         for name in ("/left_open", "/nobody")
     ]
     left.append(
-        asyncio.ensure_future(ros.action_client("/nobody", FIBONACCI).send_goal(CDR, ignore))
+        asyncio.ensure_future(
+            ros.actions.action_client("/nobody", FIBONACCI).send_goal(CDR, ignore)
+        )
     )
-    goal = await ros.action_client("/left_open", FIBONACCI).send_goal(CDR, ignore)
+    goal = await ros.actions.action_client("/left_open", FIBONACCI).send_goal(CDR, ignore)
     left.append(asyncio.ensure_future(goal.result()))
     await eventually(lambda: len(requests) == 2)
     return left
@@ -220,8 +222,8 @@ async def test_a_remapped_service_is_refused_by_name() -> None:
     options = RosOptions(arguments=("--ros-args", "-r", "/arm:=/other"))
     async with open_ros(options) as ros:
         for attempt in (
-            lambda: ros.client("/arm", SET_BOOL),
-            lambda: ros.serve("/arm", SET_BOOL, ignore),
+            lambda: ros.services.client("/arm", SET_BOOL),
+            lambda: ros.services.serve("/arm", SET_BOOL, ignore),
         ):
             with pytest.raises(RosError, match="service /arm is remapped to /other here") as caught:
                 attempt()
@@ -235,10 +237,10 @@ async def test_an_action_of_which_a_part_is_remapped_is_refused_by_name(part: st
     remapping = f"/dock/_action/{part}:=/other/_action/{part}"
     async with open_ros(RosOptions(arguments=("--ros-args", "-r", remapping))) as ros:
         attempts: list[Callable[[], object]] = [
-            lambda: ros.serve_action("/dock", FIBONACCI, ignore, ignore)
+            lambda: ros.actions.serve_action("/dock", FIBONACCI, ignore, ignore)
         ]
         if part != "status":  # which a client does without
-            attempts.append(lambda: ros.action_client("/dock", FIBONACCI))
+            attempts.append(lambda: ros.actions.action_client("/dock", FIBONACCI))
         for attempt in attempts:
             with pytest.raises(RosError, match="action /dock is remapped to /other here"):
                 attempt()
@@ -250,15 +252,15 @@ async def test_topics_that_do_not_exist_are_not_remembered(outside: Outside) -> 
         outside.add_publisher("/count", INT32)
         await eventually(lambda: ros.topic_types("/count") == (INT32,))
         assert not any(ros.topic_types(f"/none{number}") for number in range(10))
-        assert set(ros._types) == {"/count"}  # type: ignore[attr-defined]  # its memory
+        assert set(ros._known._types) == {"/count"}  # type: ignore[attr-defined]  # its memory
 
 
 async def test_an_own_service_is_known_before_dds_has_found_it(monkeypatch):
     for read in ("read_all_services", "read_actions"):
-        monkeypatch.setattr(f"gateway.sources.rclpy.port.{read}", lambda _: ())
+        monkeypatch.setattr(f"gateway.sources.rclpy.known_graph.{read}", lambda _: ())
     async with open_ros() as ros:
-        service = ros.serve("/s", SET_BOOL, ignore)
-        action = ros.serve_action("/a", FIBONACCI, ignore, ignore)
+        service = ros.services.serve("/s", SET_BOOL, ignore)
+        action = ros.actions.serve_action("/a", FIBONACCI, ignore, ignore)
         assert (ros.service_types("/s"), ros.action_types("/a")) == ((SET_BOOL,), (FIBONACCI,))
         service.close()
         action.close()
@@ -284,10 +286,10 @@ async def test_entities_are_limited() -> None:
         first = ros.advertise("/a", INT32, Qos(), lambda _: None)
         ros.subscribe("/b", INT32, Qos(), ignore, ignore)
         others: list[Callable[[], object]] = [
-            lambda: ros.client("/c", SET_BOOL),
-            lambda: ros.serve("/c", SET_BOOL, ignore),
-            lambda: ros.action_client("/c", FIBONACCI),
-            lambda: ros.serve_action("/c", FIBONACCI, ignore, ignore),
+            lambda: ros.services.client("/c", SET_BOOL),
+            lambda: ros.services.serve("/c", SET_BOOL, ignore),
+            lambda: ros.actions.action_client("/c", FIBONACCI),
+            lambda: ros.actions.serve_action("/c", FIBONACCI, ignore, ignore),
         ]
         with pytest.raises(RosError, match="at most 2 ROS entities") as caught:
             ros.advertise("/c", INT32, Qos(), lambda _: None)
@@ -405,12 +407,12 @@ async def test_without_rclpy_both_ways_to_get_it_are_told(monkeypatch: pytest.Mo
 
 async def test_an_own_service_is_in_the_graph_before_dds_has_found_it(monkeypatch):
     nothing = Graph((), (), (), ())
-    monkeypatch.setattr("gateway.sources.rclpy.port.read_graph", lambda *_: nothing)
+    monkeypatch.setattr("gateway.sources.rclpy.known_graph.read_graph", lambda *_: nothing)
     for read in ("read_all_services", "read_actions"):
-        monkeypatch.setattr(f"gateway.sources.rclpy.port.{read}", lambda *_: ())
+        monkeypatch.setattr(f"gateway.sources.rclpy.known_graph.{read}", lambda *_: ())
     async with open_ros() as ros:
-        ros.serve("/arm", SET_BOOL, ignore)
-        action = ros.serve_action("/count", FIBONACCI, ignore, ignore)
+        ros.services.serve("/arm", SET_BOOL, ignore)
+        action = ros.actions.serve_action("/count", FIBONACCI, ignore, ignore)
         node = "/ros2_gateway_services"
         assert ros.graph().services == (ServerInfo("/arm", (SET_BOOL,), (node,)),)
         assert ros.graph().actions == (ServerInfo("/count", (FIBONACCI,), (node,)),)
@@ -466,7 +468,7 @@ async def test_two_hundred_rounds_of_each_kind_leave_nothing(taking: Taking) -> 
     goals: list[GoalRequest] = []
     ros = RclpyRos(RosOptions(taking=taking))
     nodes: list[Node] = [
-        *(ros._services._endpoints.node, ros._publishers._node),
+        *(ros.services._endpoints.node, ros._publishers._node),
         ros._subscriptions._node,
     ]
 
@@ -478,10 +480,10 @@ async def test_two_hundred_rounds_of_each_kind_leave_nothing(taking: Taking) -> 
         ]
 
     async def round_of_each() -> None:
-        service = ros.serve("/arm", SET_BOOL, requests.append)
-        action = ros.serve_action("/dock", FIBONACCI, goals.append, ignore)
-        client = ros.client("/arm", SET_BOOL)
-        action_client = ros.action_client("/dock", FIBONACCI)
+        service = ros.services.serve("/arm", SET_BOOL, requests.append)
+        action = ros.actions.serve_action("/dock", FIBONACCI, goals.append, ignore)
+        client = ros.services.client("/arm", SET_BOOL)
+        action_client = ros.actions.action_client("/dock", FIBONACCI)
         tasks = [
             asyncio.ensure_future(client.call(b"\0\1\0\0\1")),
             asyncio.ensure_future(action_client.send_goal(CDR, ignore)),
@@ -521,8 +523,8 @@ async def test_own_entities_enter_and_leave_the_graph_at_once() -> None:
         names()  # keeps it
         opened = [
             ros.advertise("/own_topic", "std_msgs/msg/String", Qos(), lambda _: None),
-            ros.serve("/own_service", "std_srvs/srv/Trigger", lambda request: None),
-            ros.serve_action(
+            ros.services.serve("/own_service", "std_srvs/srv/Trigger", lambda request: None),
+            ros.actions.serve_action(
                 "/own_action", "test_msgs/action/Fibonacci", lambda goal: None, lambda goal: None
             ),
         ]
@@ -534,7 +536,7 @@ async def test_own_entities_enter_and_leave_the_graph_at_once() -> None:
 
 async def test_the_services_behind_an_action_can_be_called_by_who_knows_them() -> None:
     async with open_ros() as ros:
-        ros.serve_action(
+        ros.actions.serve_action(
             "/own_action", "test_msgs/action/Fibonacci", lambda goal: None, lambda goal: None
         )
         cancel = "/own_action/_action/cancel_goal"

@@ -72,8 +72,8 @@ def test_only_little_endian_cdr_is_sent(cdr: bytes):
 
 
 async def test_thousands_of_calls_leave_nothing_behind(ros, classes, outside):
-    ros.serve("/arm", SET_BOOL, lambda each: each.answer(answer))
-    client = ros.client("/arm", SET_BOOL)
+    ros.services.serve("/arm", SET_BOOL, lambda each: each.answer(answer))
+    client = ros.services.client("/arm", SET_BOOL)
     text = "x" * 50_000
     answer = serialize_message(SetBool.Response(success=True, message=text))
     grown: list[int] = []
@@ -120,7 +120,7 @@ async def test_a_wrong_response_arrives_as_it_is_and_is_refused_by_the_codec(
 ):
     made = classes.service(SET_BOOL).service_class
     served(outside, made, lambda _: made.Response(HEADER + wrong))
-    got = await soon(ros.client("/arm", SET_BOOL).call(request(True)))
+    got = await soon(ros.services.client("/arm", SET_BOOL).call(request(True)))
     assert got[4:].rstrip(b"\0") == wrong.rstrip(b"\0")
     with pytest.raises(CodecError):
         Types(DEFINITIONS).get(f"{SET_BOOL}_Response").decode(got[: 4 + len(wrong)])
@@ -136,8 +136,8 @@ async def test_a_response_that_cannot_be_sent_is_refused_and_the_request_stays_o
             refusals.append(str(error))
         echo(each)
 
-    ros.serve("/arm", SET_BOOL, answer)
-    client = ros.client("/arm", SET_BOOL)
+    ros.services.serve("/arm", SET_BOOL, answer)
+    client = ros.services.client("/arm", SET_BOOL)
     words = "service /arm: encapsulation 0x0000, only 0x0001 can be sent"
     with pytest.raises(RosError, match=words) as caught:
         await soon(client.call(b"\0\0\0\0\1"))
@@ -150,7 +150,7 @@ async def test_padding_behind_a_message_is_not_part_of_it(ros: RclpyRos, outside
     decode = Types(DEFINITIONS).get(f"{SET_BOOL}_Response").decode
     texts = ["", "a", "ab", "abc", "abcd"]
     served(outside, SetBool, lambda _: SetBool.Response(message=texts[0]))
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     while texts:
         assert decode(await soon(client.call(request(True))))["message"] == texts[0]
         texts.pop(0)
@@ -158,7 +158,7 @@ async def test_padding_behind_a_message_is_not_part_of_it(ros: RclpyRos, outside
 
 async def test_goals_without_a_whole_id_are_rejected(ros, classes, outside):
     goals: list[Any] = []
-    server = ros.serve_action("/dock", FIBONACCI, goals.append, ignore)
+    server = ros.actions.serve_action("/dock", FIBONACCI, goals.append, ignore)
     form = classes.action(FIBONACCI)
     sending = outside.node.create_client(form.send_goal, "/dock/_action/send_goal")
     asking = outside.node.create_client(form.get_result, "/dock/_action/get_result")

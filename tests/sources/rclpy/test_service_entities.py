@@ -51,13 +51,13 @@ async def test_calls_leave_nothing_behind(ros: RclpyRos, outside: Outside) -> No
             echo(each)
 
     outside.add_service("/arm", SET_BOOL, answer_some)
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     unanswered = [asyncio.ensure_future(client.call(request(False))) for _ in range(3)]
     assert text_of(await soon(client.call(request(True)))) == "got True"
     for calling in unanswered:
         calling.cancel()
     await eventually(lambda: calls_of(client) == 0)
-    waiting = asyncio.ensure_future(ros.client("/leg", SET_BOOL).call(request(True)))
+    waiting = asyncio.ensure_future(ros.services.client("/leg", SET_BOOL).call(request(True)))
     await asyncio.sleep(0)
     waiting.cancel()
     await eventually(waiting.cancelled)
@@ -65,7 +65,7 @@ async def test_calls_leave_nothing_behind(ros: RclpyRos, outside: Outside) -> No
 
 async def test_a_call_that_is_cancelled_while_it_waits_is_never_sent(ros, outside):
     requests: list[ServiceRequest] = []
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     first = asyncio.ensure_future(client.call(request(False)))
     second = asyncio.ensure_future(client.call(request(True)))
     await asyncio.sleep(0)
@@ -81,7 +81,7 @@ async def test_requests_beyond_what_a_server_keeps_wait_here(ros, outside, monke
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_IN_FLIGHT)]
     unsent = asyncio.ensure_future(client.call(request(False)))
     calls += [asyncio.ensure_future(client.call(request(True))) for _ in range(20)]
@@ -104,7 +104,7 @@ async def test_a_server_that_never_answers_keeps_no_request_waiting(ros, outside
     monkeypatch.setattr(endpoints, "PACING_S", 0.01)
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)  # not as fast as that
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_IN_FLIGHT)]
     await eventually(lambda: len(requests) == len(calls))
     last = asyncio.ensure_future(client.call(request(False)))
@@ -120,8 +120,8 @@ async def test_a_server_that_never_answers_keeps_no_request_waiting(ros, outside
 async def test_a_service_of_this_process_gets_its_requests_at_once(ros, monkeypatch):
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     requests: list[ServiceRequest] = []
-    ros.serve("/arm", SET_BOOL, requests.append)
-    client = ros.client("/arm", SET_BOOL)
+    ros.services.serve("/arm", SET_BOOL, requests.append)
+    client = ros.services.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_IN_FLIGHT)]
     await eventually(lambda: len(requests) == len(calls))
     for each in requests:
@@ -135,7 +135,7 @@ async def test_a_request_that_is_cancelled_in_the_turn_that_makes_room_is_never_
     monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_IN_FLIGHT)]
     await eventually(lambda: len(requests) == MAX_IN_FLIGHT)
     unsent = asyncio.ensure_future(client.call(request(False)))
@@ -151,7 +151,7 @@ async def test_a_request_that_is_cancelled_in_the_turn_that_makes_room_is_never_
 
 async def test_an_answer_to_a_client_that_has_gone_is_lost(ros: RclpyRos, outside: Outside) -> None:
     requests: list[ServiceRequest] = []
-    ros.serve("/arm", SET_BOOL, requests.append)
+    ros.services.serve("/arm", SET_BOOL, requests.append)
     client = outside.add_client("/arm", SET_BOOL)
     await eventually(client._client.service_is_ready)
     client._client.call_async(client._class.Request())
@@ -162,7 +162,7 @@ async def test_an_answer_to_a_client_that_has_gone_is_lost(ros: RclpyRos, outsid
 
 
 async def ask_anew(ros: RclpyRos, requests: list[ServiceRequest]) -> bytes:
-    calling = asyncio.ensure_future(ros.client("/arm", SET_BOOL).call(request(True)))
+    calling = asyncio.ensure_future(ros.services.client("/arm", SET_BOOL).call(request(True)))
     await eventually(lambda: len(requests) == 2)
     requests[1].answer(response("better"))
     answer: bytes = await soon(calling)
@@ -172,7 +172,7 @@ async def ask_anew(ros: RclpyRos, requests: list[ServiceRequest]) -> bytes:
 async def test_a_call_fails_with_its_server_though_another_has_come(ros, outside, successor):
     requests: list[ServiceRequest] = []
     server = outside.add_service("/arm", SET_BOOL, requests.append)
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: len(requests) == 1)
     successor.add_service("/arm", SET_BOOL, echo)
@@ -189,7 +189,7 @@ async def test_a_call_fails_with_its_server_though_another_has_come(ros, outside
 async def test_a_call_outlives_a_moment_in_which_its_service_is_unready(ros, outside, monkeypatch):
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: len(requests) == 1)
     with monkeypatch.context() as patch:  # as rmw says while it has found half of another server
@@ -204,7 +204,7 @@ async def test_a_call_whose_server_nobody_could_tell_fails_when_its_service_is_u
 ) -> None:
     requests: list[ServiceRequest] = []
     server = outside.add_service("/arm", SET_BOOL, requests.append)
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     monkeypatch.setattr(Requester, "_find_servers", lambda self: frozenset())
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: len(requests) == 1)
@@ -218,10 +218,10 @@ async def test_a_call_whose_server_nobody_could_tell_fails_when_its_service_is_u
 async def test_a_server_that_has_come_before_word_of_it_keeps_its_calls(ros, outside, monkeypatch):
     requests: list[ServiceRequest] = []
     server = outside.add_service("/arm", SET_BOOL, echo)
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     await soon(client.call(request(True)))
     with monkeypatch.context() as patch:
-        patch.setattr(ros._services, "follow_graph", lambda: None)
+        patch.setattr(ros.services, "follow_graph", lambda: None)
         server.close()
         await eventually(lambda: not client._requester.is_ready)
         outside.add_service("/arm", SET_BOOL, requests.append)
@@ -235,8 +235,8 @@ async def test_a_server_that_has_come_before_word_of_it_keeps_its_calls(ros, out
 @pytest.mark.parametrize("cdr", [b"", b"\0\1\0\0", b"x"])
 async def test_cdr_of_another_type_is_refused(ros: RclpyRos, cdr: bytes) -> None:
     requests: list[ServiceRequest] = []
-    ros.serve("/arm", SET_BOOL, requests.append)
-    client = ros.client("/arm", SET_BOOL)
+    ros.services.serve("/arm", SET_BOOL, requests.append)
+    client = ros.services.client("/arm", SET_BOOL)
     with pytest.raises(RosError, match="service /arm: failed to deserialize"):
         await client.call(cdr)
     calling = asyncio.ensure_future(client.call(request(True)))
@@ -257,8 +257,8 @@ async def test_an_exception_in_a_callback_does_not_delay_other_requests(ros: Rcl
             raise LookupError
         echo(each)
 
-    ros.serve("/arm", SET_BOOL, on_request)
-    client = ros.client("/arm", SET_BOOL)
+    ros.services.serve("/arm", SET_BOOL, on_request)
+    client = ros.services.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(index == 4))) for index in range(5)]
     assert text_of(await soon(calls[4])) == "got True"
     assert [type(each) for each in raised] == [LookupError] * 4
@@ -274,8 +274,8 @@ async def test_a_service_may_be_closed_by_its_own_callback(ros: RclpyRos) -> Non
         each.answer(response("last"))
         service.close()
 
-    service = ros.serve("/arm", SET_BOOL, on_request)
-    client = ros.client("/arm", SET_BOOL)
+    service = ros.services.serve("/arm", SET_BOOL, on_request)
+    client = ros.services.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(3)]
     assert [text_of(await soon(calling)) for calling in calls] == ["last"] * 3
     assert len(requests) == 3
@@ -300,10 +300,10 @@ def with_unreadable(take: Callable[[type], Any], count: int) -> Callable[[type],
 
 
 async def test_requests_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos) -> None:
-    service: Any = ros.serve("/arm", SET_BOOL, echo)
+    service: Any = ros.services.serve("/arm", SET_BOOL, echo)
     replier = service._replier
     replier._take_request = with_unreadable(replier._take_request, 6)
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(9)]
     for calling in calls[6:]:
         assert text_of(await soon(calling)) == "got True"
@@ -313,8 +313,8 @@ async def test_requests_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos)
 
 async def test_responses_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos) -> None:
     requests: list[ServiceRequest] = []
-    ros.serve("/arm", SET_BOOL, requests.append)
-    client: Any = ros.client("/arm", SET_BOOL)
+    ros.services.serve("/arm", SET_BOOL, requests.append)
+    client: Any = ros.services.client("/arm", SET_BOOL)
     requester = client._requester
     requester._take_response = with_unreadable(requester._take_response, 6)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(9)]
@@ -328,7 +328,7 @@ async def test_responses_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos
 
 
 async def test_32_responses_are_taken_in_a_turn_then_others_have_theirs(ros: RclpyRos) -> None:
-    requester: Any = ros.client("/arm", SET_BOOL)._requester
+    requester: Any = ros.services.client("/arm", SET_BOOL)._requester
     taken = 0
 
     def take(_: type) -> Any:
@@ -343,8 +343,8 @@ async def test_32_responses_are_taken_in_a_turn_then_others_have_theirs(ros: Rcl
 
 async def test_more_responses_at_once_than_are_taken_in_a_turn_all_arrive(ros: RclpyRos) -> None:
     requests: list[ServiceRequest] = []
-    ros.serve("/arm", SET_BOOL, requests.append)
-    client = ros.client("/arm", SET_BOOL)
+    ros.services.serve("/arm", SET_BOOL, requests.append)
+    client = ros.services.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(100)]
     await eventually(lambda: len(requests) == 100)
     for each in requests:
@@ -354,8 +354,8 @@ async def test_more_responses_at_once_than_are_taken_in_a_turn_all_arrive(ros: R
 
 async def test_an_answer_that_is_there_when_its_server_goes_counts(ros: RclpyRos) -> None:
     requests: list[ServiceRequest] = []
-    service = ros.serve("/arm", SET_BOOL, requests.append)
-    client: Any = ros.client("/arm", SET_BOOL)
+    service = ros.services.serve("/arm", SET_BOOL, requests.append)
+    client: Any = ros.services.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: bool(requests))
     asyncio.get_running_loop().remove_reader(client._requester._source._fd)  # it is slow
@@ -367,8 +367,8 @@ async def test_an_answer_that_is_there_when_its_server_goes_counts(ros: RclpyRos
 
 
 async def test_a_server_is_found_though_nothing_tells_of_it(ros, outside, monkeypatch):
-    monkeypatch.setattr(ros._services, "follow_graph", lambda: None)
-    client = ros.client("/arm", SET_BOOL)
+    monkeypatch.setattr(ros.services, "follow_graph", lambda: None)
+    client = ros.services.client("/arm", SET_BOOL)
     loop = asyncio.get_running_loop()
     before = loop.time()
     calling = asyncio.ensure_future(client.call(request(True)))
@@ -380,7 +380,7 @@ async def test_a_server_is_found_though_nothing_tells_of_it(ros, outside, monkey
 
 async def test_a_response_that_came_before_dds_had_matched_the_client_is_sent_again(ros, outside):
     requests: list[ServiceRequest] = []
-    service = ros.serve("/arm", SET_BOOL, requests.append)
+    service = ros.services.serve("/arm", SET_BOOL, requests.append)
     replier: Any = service._replier
     send, sent = replier._send_response, []
     loop = asyncio.get_running_loop()
@@ -409,7 +409,7 @@ async def test_a_response_that_came_before_dds_had_matched_the_client_is_sent_ag
 
 async def test_a_service_that_has_become_silent_sends_what_it_owes(ros, outside):
     requests: list[ServiceRequest] = []
-    replier = ros.serve("/arm", SET_BOOL, requests.append)._replier
+    replier = ros.services.serve("/arm", SET_BOOL, requests.append)._replier
     send, in_vain = replier._send_response, [None] * MAX_STALLS
 
     def send_in_vain_at_first(response: Any, request_id: Any) -> None:
@@ -430,7 +430,7 @@ async def test_a_service_that_has_become_silent_sends_what_it_owes(ros, outside)
 
 
 async def test_a_client_that_no_response_can_reach_is_told_of(ros, outside, caplog):
-    ros.serve("/arm", SET_BOOL, echo)
+    ros.services.serve("/arm", SET_BOOL, echo)
     found = service_class(SET_BOOL)
     profile = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     deaf = outside.node.create_client(found, "/arm", qos_profile=profile)
@@ -445,7 +445,7 @@ async def test_a_client_that_no_response_can_reach_stops_the_loop_only_so_often(
     ros: RclpyRos, outside: Outside, caplog: pytest.LogCaptureFixture
 ) -> None:
     requests: list[ServiceRequest] = []
-    service = ros.serve("/arm", SET_BOOL, requests.append)
+    service = ros.services.serve("/arm", SET_BOOL, requests.append)
     found = service_class(SET_BOOL)
     profile = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     deaf = outside.node.create_client(found, "/arm", qos_profile=profile)
@@ -469,18 +469,18 @@ async def test_a_client_that_no_response_can_reach_stops_the_loop_only_so_often(
 
 
 async def test_a_closed_entity_leaves_the_callback_group_of_its_node(ros: RclpyRos) -> None:
-    group: Any = ros._services._endpoints.node.default_callback_group
+    group: Any = ros.services._endpoints.node.default_callback_group
     before = len(group.entities)
     for _ in range(3):
-        ros.client("/arm", SET_BOOL).close()
-        ros.serve("/arm", SET_BOOL, echo).close()
+        ros.services.client("/arm", SET_BOOL).close()
+        ros.services.serve("/arm", SET_BOOL, echo).close()
     assert len(group.entities) == before
 
 
 async def test_a_silent_server_gets_one_more_request_after_a_second(ros, outside):
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     loop = asyncio.get_running_loop()
     before = loop.time()
     calling = asyncio.ensure_future(client.call(request(True)))
@@ -493,7 +493,7 @@ async def test_a_silent_server_gets_one_more_request_at_a_time(ros, outside, mon
     monkeypatch.setattr(endpoints, "PACING_S", 0.3)
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(3 * MAX_IN_FLIGHT)]
     sent: set[int] = set()
 

@@ -73,7 +73,7 @@ async def test_a_server_with_another_definition_is_not_called(text, gateway, out
         echo(each)
 
     outside.add_service("/arm", SET_BOOL, answer)
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     while not caplog.records:  # until the name of the node is known
         with pytest.raises(RosError) as caught:
             await soon(client.call(request(True)))
@@ -93,8 +93,10 @@ async def test_a_server_with_another_definition_is_not_called(text, gateway, out
 async def test_the_same_definition_is_not_a_conflict(gateway, outside, caplog):
     ros = gateway(f"# words\n{SAME}")
     outside.add_service("/arm", SET_BOOL, echo)
-    ros.serve("/leg", SET_BOOL, echo)
-    assert text_of(await soon(ros.client("/arm", SET_BOOL).call(request(True)))) == "got True"
+    ros.services.serve("/leg", SET_BOOL, echo)
+    assert (
+        text_of(await soon(ros.services.client("/arm", SET_BOOL).call(request(True)))) == "got True"
+    )
     client = outside.add_client("/leg", SET_BOOL)
     assert text_of(await soon(client.call(request(True)))) == "got True"
     assert caplog.records == []
@@ -111,28 +113,30 @@ async def test_a_server_that_reports_no_hash_is_called(gateway, outside, monkeyp
         return found.Response(response("got it"))
 
     outside.node.create_service(found, "/arm", execute)
-    assert text_of(await soon(ros.client("/arm", SET_BOOL).call(request(True)))) == "got it"
+    assert (
+        text_of(await soon(ros.services.client("/arm", SET_BOOL).call(request(True)))) == "got it"
+    )
 
 
 async def test_a_server_that_comes_with_the_right_definition_is_called(gateway, outside):
     ros = gateway("int8 data\n---\nbool success\nstring message\n")
     wrong = outside.add_service("/arm", SET_BOOL, echo)
-    client = ros.client("/arm", SET_BOOL)
+    client = ros.services.client("/arm", SET_BOOL)
     with pytest.raises(RosError, match="another definition"):
         await soon(client.call(request(True)))
     wrong.close()
     await eventually(lambda: not client._requester.is_ready)
-    ros.serve("/arm", SET_BOOL, echo)
+    ros.services.serve("/arm", SET_BOOL, echo)
     assert text_of(await answered(client, request(True))) == "got True"
 
 
 async def test_a_caller_with_another_definition_is_told_of_in_the_log(gateway, outside, caplog):
     caplog.set_level(logging.WARNING)
     ros = gateway("bool data\n---\nbool success\n")
-    ros.serve("/arm", SET_BOOL, echo)
+    ros.services.serve("/arm", SET_BOOL, echo)
     outside.add_client("/arm", SET_BOOL)
     await eventually(lambda: bool(caplog.records))
-    ros._services.follow_graph()
+    ros.services.follow_graph()
     problem = f"another definition of {SET_BOOL} than this gateway, so its calls are misread"
     (record,) = caplog.records
     assert record.getMessage() == f"service /arm: /outside has {problem}; {REMEDY}"
@@ -150,11 +154,11 @@ async def test_an_action_of_which_any_part_is_another_gets_no_goals(text, gatewa
     ros = gateway(text)
     asked: list[Any] = []
     outside.add_action_server("/dock", FIBONACCI, asked.append, ignore)
-    client = ros.action_client("/dock", FIBONACCI)
+    client = ros.actions.action_client("/dock", FIBONACCI)
     with pytest.raises(RosError, match="action /dock: its server has another definition") as caught:
         await soon(client.send_goal(goal(3), ignore))
     assert caught.value.code == "type_conflict"
-    ros.serve_action("/other", FIBONACCI, ignore, ignore)
+    ros.actions.serve_action("/other", FIBONACCI, ignore, ignore)
     caplog.clear()
     outside.add_action_client("/other", FIBONACCI)
     await eventually(lambda: "action /other: /outside has another" in caplog.text)
