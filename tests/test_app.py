@@ -21,7 +21,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from gateway import app
 from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
-from gateway.config.model import Config, RosConfig
+from gateway.config.model import Config, RosConfig, TypesConfig
 from gateway.definitions import known_definitions
 from gateway.guard import MARGIN_S, supervisor
 from gateway.log_rate import BURST
@@ -37,6 +37,7 @@ CONFIG = Config(
     ros=RosConfig(node_prefix="arm", namespace="/robot7", domain_id=7, use_sim_time=True),
     limits=Limits(max_ros_entities=1307, reserved_ros_entities=1308),
     control=ControlConfig(topics=("/wheels",)),
+    types=TypesConfig(ask_nodes=False),
 )
 ROS_OPTIONS = RosOptions(
     node_prefix="arm",
@@ -46,11 +47,11 @@ ROS_OPTIONS = RosOptions(
     max_entities=1307,
     reserved_entities=1308,
     reserved_topics=("/wheels",),
+    asks_nodes=False,
 )
 NAV2 = ("SpeedLimit", "Particle")
 NOT_CONFIGURED = {
     "arguments",
-    "taking",
 }  # for tests, and for programs that embed the gateway
 
 

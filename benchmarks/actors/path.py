@@ -27,7 +27,7 @@ from gateway.codec.picture import picture_renderer
 from gateway.codec.types import MessageType, Types
 from gateway.fronts.rosbridge.publish_frames import JsonFrames
 from gateway.memory import keep_large_blocks
-from gateway.sources.rclpy.ready_events import EventfdReadyEvents
+from gateway.sources.rclpy.ready_events import ReadyEvents
 from gateway.sources.rclpy.samples import Samples
 from gateway.sources.source import Sample
 from schemas.installed import InstalledDefinitions
@@ -78,7 +78,7 @@ def _receive(
     if count == 1:
         create()
         return _nothing
-    ready_events = EventfdReadyEvents(loop)
+    ready_events = ReadyEvents(loop)
     if count < len(_RECEIVING):
         return ready_events.open("subscription", create, node.destroy_subscription, _nothing).close
     work = works[count - len(_RECEIVING)]

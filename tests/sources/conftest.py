@@ -118,7 +118,7 @@ def outside() -> Iterator[Outside]:
 
 PARTS: Final = ("publishing", "services", "actions", "diagnosis")
 SOURCES: Final[Mapping[str, Sequence[str]]] = {
-    **dict.fromkeys(("fake", "eventfd", "wait_set", "made"), PARTS),
+    **dict.fromkeys(("fake", "rclpy", "made"), PARTS),
     "replayed": (),
 }
 
@@ -151,12 +151,11 @@ async def _open_robot(request: pytest.FixtureRequest) -> AsyncIterator[Robot]:
         return
     outside = request.getfixturevalue("outside")
     if request.param == "made":
-        made = RclpyRos(RosOptions(taking="eventfd"), MadeClasses())
+        made = RclpyRos(RosOptions(), MadeClasses())
         outside.is_known = lambda service: known_to(made, service)
         with contextlib.closing(made):
             yield Robot(made, outside)
         return
-    options = RosOptions(taking=request.param)
-    async with open_ros(options, InstalledDefinitions()) as ros:
+    async with open_ros(definitions=InstalledDefinitions()) as ros:
         outside.is_known = lambda service: known_to(ros, service)
         yield Robot(ros, outside)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The contract of the router with ROS: the fake and rclpy, in both ways of taking samples."""
+"""The contract of the router with ROS: the fake and rclpy."""
 
 import asyncio
 import contextlib

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The contract of the router for actions: the fake and rclpy, in both ways of taking."""
+"""The contract of the router for actions: the fake and rclpy."""
 
 import asyncio
 import struct

@@ -3,7 +3,7 @@
 
 rcl has a guard condition that it triggers when discovery learns something. Waiting for it costs
 nothing while nothing happens and wakes within a millisecond. rclpy does not expose it,
-`gateway.sources.rclpy.rclpy_private.GraphWaitSet` does. Without that a thread looks twice a second.
+`gateway.sources.rclpy.rclpy_private.GraphWaitSet` does.
 """
 
 import asyncio
@@ -33,8 +33,7 @@ SETTLE_S: Final = 0.02
 SETTLES_PER_HANDLING: Final = 10
 # 1000 subscriptions need about a quarter of it. A longer time means that the machine stood still
 MAX_SETTLE_S: Final = 1.0
-# 100 topics take about 1.5 ms to look at: 0.3 % of a core
-POLL_S: Final = 0.5
+AGAIN_S: Final = 1.0  # after an error of rcl: it must not fill the log
 
 _PARTICIPANT_DIGITS: Final = 24
 _BEHIND_ACTION: Final = "/_action/"  # in the names of an action's topics and services
@@ -170,24 +169,19 @@ class GraphChanges:
     """A thread that calls *on_change* on the loop's thread soon after the graph has changed.
 
     Changes within `SETTLE_S`, or within `SETTLES_PER_HANDLING` times what the last call took, are
-    one call. With *polling*, or if rcl lacks what waiting needs, it looks every `POLL_S` instead.
+    one call.
     """
 
     def __init__(
-        self,
-        node: Node,
-        loop: asyncio.AbstractEventLoop,
-        on_change: Callable[[], None],
-        *,
-        polling: bool = False,
+        self, node: Node, loop: asyncio.AbstractEventLoop, on_change: Callable[[], None]
     ) -> None:
-        self._node = node
+        self._context = node.context
         self._loop = loop
         self._on_change = on_change
         self._settle_s = SETTLE_S
         self._is_reported = False
         self._stopping = threading.Event()
-        self._wait_set = None if polling else GraphWaitSet.create(node)
+        self._wait_set = GraphWaitSet(node)
         self._thread = threading.Thread(target=self._look, name="ros_graph", daemon=True)
         self._thread.start()
 
@@ -200,25 +194,23 @@ class GraphChanges:
         """End the thread. No call comes after."""
         self._on_change = _nothing
         self._stopping.set()
-        if self._wait_set is not None:
-            self._wait_set.wake()
+        self._wait_set.wake()
         self._thread.join()
-        if self._wait_set is not None:
-            self._wait_set.close()
+        self._wait_set.close()
 
     def _look(self) -> None:
-        if self._wait_set is not None:
+        while not self._stopping.is_set():
             try:
-                self._wait(self._wait_set)
+                self._wait()
             except REFUSALS:
-                _logger.exception("waiting for graph changes failed, looking every %g s", POLL_S)
-                self._report()  # changes from before the first look
-            else:
-                return
-        self._poll()
+                _logger.exception("waiting for graph changes failed, trying again in %g s", AGAIN_S)
+                if not self._context.ok():  # nothing changes any more. The port says so
+                    return
+                self._stopping.wait(AGAIN_S)
+                self._report()  # changes from before the next wait
 
-    def _wait(self, wait_set: GraphWaitSet) -> None:
-        with wait_set.opened() as wait:
+    def _wait(self) -> None:
+        with self._wait_set.opened() as wait:
             wait()
             while not self._stopping.wait(self._settle_s):
                 wait(timeout_ns=0)  # later events are part of this change
@@ -227,14 +219,6 @@ class GraphChanges:
                     return
                 self._report()
                 wait()
-
-    def _poll(self) -> None:
-        known = _fingerprint(self._node)
-        while not self._stopping.wait(max(POLL_S, self._settle_s)):
-            found = _fingerprint(self._node)
-            if found != known:
-                known = found
-                self._report()
 
     def _report(self) -> None:
         if not self._is_reported:  # on a busy loop one call waits, not one for each change
@@ -274,16 +258,6 @@ def _provided(
     return tuple(
         ServerInfo(each, tuple(sorted(types[each])), tuple(sorted(nodes[each])))
         for each in sorted(types)
-    )
-
-
-def _fingerprint(node: Node) -> object:
-    topics = node.get_topic_names_and_types()
-    return (
-        topics,
-        sorted(node.get_node_names_and_namespaces()),
-        [(node.count_publishers(name), node.count_subscribers(name)) for name, _ in topics],
-        read_services(node),
     )
 
 

@@ -3,11 +3,8 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 from gateway.sources.source import RosError
-
-Taking = Literal["auto", "eventfd", "wait_set"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +20,6 @@ class RosOptions:
     reserved_topics: tuple[str, ...] = ("/cmd_vel",)
     arguments: tuple[str, ...] = ()  # as ROS takes them: ("--ros-args", "-r", "a:=b")
     asks_nodes: bool = True  # for definitions that are not installed here
-    taking: Taking = "auto"  # how the loop learns of messages: `gateway.sources.rclpy.ready_events`
 
     @property
     def guard_node(self) -> str:

@@ -31,11 +31,11 @@ from gateway.sources.rclpy.options import RosOptions, check_room
 from gateway.sources.rclpy.publishers import Publishers, RclpyPublisher
 from gateway.sources.rclpy.qos_events import QosEvents
 from gateway.sources.rclpy.raw_subscriptions import RawSubscription, RawSubscriptions
+from gateway.sources.rclpy.ready_events import ReadyEvents
 from gateway.sources.rclpy.same_names import SameNames
 from gateway.sources.rclpy.samples import Samples
 from gateway.sources.rclpy.servers import RclpyActions, RclpyServices
 from gateway.sources.rclpy.time_jumps import JumpWatch
-from gateway.sources.rclpy.wait_set_events import WaitSetReadyEvents, open_ready_events
 from gateway.sources.rclpy.watches import GraphWatch, GraphWatches
 from gateway.sources.source import (
     LogLevel,
@@ -81,17 +81,13 @@ class RclpyRos:
             self._debug = nodes.debug
             # ROS time in nanoseconds
             self.now_ns: Callable[[], int] = rclpy_private.clock_reader(self._debug.get_clock())
-            self._ready_events = open_ready_events(options.taking, nodes.subscribing, loop, undo)
-            self._executor = ExecutorThread(
-                # the other one needs the same of the middleware as the eventfd
-                nodes.debug.context,
-                standard=isinstance(self._ready_events, WaitSetReadyEvents),
-            )
+            ready_events = ReadyEvents(loop)
+            ready_events.check(nodes.subscribing)
+            self._executor = ExecutorThread(nodes.debug.context)
             undo.callback(self._executor.close)
             self._executor.add_node(self._debug)
-            samples = undo.enter_context(
-                contextlib.closing(Samples(nodes.subscribing, self._ready_events))
-            )
+            samples = Samples(nodes.subscribing, ready_events)
+            undo.callback(samples.close)
             self._deferred = DeferredDestruction(loop)
             # The parts are opened below, and tell the graph of their changes.
             self._known = KnownGraph(
@@ -114,7 +110,7 @@ class RclpyRos:
             open_publishers = partial(self._open_publishers, events, undo)
             self._publishers = open_publishers(nodes.publishing, nodes.publishing_on)
             self._own_publishers = open_publishers(self._debug, lambda _: self._debug)
-            endpoints = Endpoints(nodes.serving, self._ready_events, loop)
+            endpoints = Endpoints(nodes.serving, ready_events, loop)
             shared = (self._classes, self._check_new)
             self.services = RclpyServices(
                 endpoints, self._deferred, self._known.services_changed, *shared
@@ -240,7 +236,7 @@ class RclpyRos:
         if self._is_closed or not self._debug.context.ok():
             return (Fault("dead", "ROS has shut down below the gateway: it must be restarted"),)
         guarding = () if self.guard is None else self.guard.faults()
-        faults = [*self._executor.faults(), *self._ready_events.faults(), *guarding]
+        faults = [*self._executor.faults(), *guarding]
         if not all(each.is_alive for each in self._changes):
             faults.append(Fault("dead", "the thread that follows the ROS graph has ended"))
         return faults

@@ -1,118 +1,61 @@
 # SPDX-License-Identifier: Apache-2.0
 """Notice to the event loop that an entity of rcl has something to take.
 
-`EventfdReadyEvents` is the fast way. The listener thread of DDS writes an eventfd, in C and without
-the GIL, and the loop takes what has arrived itself. If something for that is missing, see
-`gateway.sources.rclpy.wait_set_events`.
+The listener thread of DDS writes an eventfd, in C and without the GIL, and the loop takes what has
+arrived itself.
 """
 
 import asyncio
 import contextlib
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.faults import Fault
 from gateway.sources.rclpy.errors import creation
 from gateway.sources.rclpy.rclpy_private import Kind, MissingFunctionError, ReadyCallbacks
+from gateway.sources.source import RosError
 
 # rclpy's callbacks need an executor: see `gateway.sources.rclpy.qos_events`
 NO_EVENTS: Final = SubscriptionEventCallbacks(use_default_callbacks=False)
 
 
-class UnsupportedError(Exception):
-    """Raised when the platform, ROS or its middleware lacks what `EventfdReadyEvents` needs."""
-
-
-class EventSource(Protocol):
-    """An entity of rcl that the event loop takes from."""
-
-    @property
-    def entity(self) -> Any:
-        """The entity as rclpy created it."""
-
-    def notify_again(self) -> None:
-        """Call *on_ready* once more, after other callbacks have had their turn."""
-
-    def pause(self) -> None:
-        """Let others take what is there: *on_ready* may stay out until `resume`."""
-
-    def resume(self) -> None:
-        """End a pause. Messages that arrived in the pause were reported, or are now."""
-
-    def count_take(self) -> bool:
-        """Count one take of any outcome. Return whether a message is known to have been there.
-
-        rclpy returns the same for a message that it cannot read as for no message.
-        """
-
-    def clear(self) -> object:
-        """Forget what has arrived so far. From *on_ready* of a source that is not counted."""
-
-    def close(self) -> None:
-        """Stop calling *on_ready* and destroy the entity. Closing twice is harmless."""
-
-
-class ReadyEvents(Protocol):
-    """A way to report arrivals to the event loop. No executor may spin the entities' node."""
-
-    def open(
-        self,
-        kind: Kind,
-        create: Callable[[], Any],
-        destroy: Callable[[Any], object],
-        on_ready: Callable[[], None],
-        *,
-        is_counted: bool = True,
-    ) -> EventSource:
-        """Create an entity. *on_ready* is called on the loop's thread while it has something.
-
-        One call may stand for many events, or for none. If it is not counted, *on_ready* must call
-        `EventSource.clear`, and nobody `count_take`. Raises what *create* raises.
-        """
-
-    def faults(self) -> Sequence[Fault]:
-        """Return why nothing is reported any more, if that is so."""
-
-
-class EventfdReadyEvents:
-    """Reports arrivals by an eventfd for each entity."""
+class ReadyEvents:
+    """Reports arrivals by an eventfd for each entity. No executor may spin the entities' node."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         """Find what this needs.
 
         Raises:
-            UnsupportedError: rcl, libc, Python or the loop lacks it.
+            RosError: ``internal``: rcl lacks it.
         """
-        _require_readers(loop)
         self._loop = loop
         try:
             self._hooks = ReadyCallbacks()
         except MissingFunctionError as error:
-            raise UnsupportedError(str(error)) from error
+            raise _unsupported(error) from error
 
     def check(self, node: Node) -> None:
         """Check that the middleware reports arrivals at all, with a subscription of a node.
 
         Raises:
-            UnsupportedError: it does not.
+            RosError: ``internal``: it does not.
         """
         with creation("starting ROS"):
             subscription = node.create_subscription(
                 ParameterEvent, "~/_ready", _never_called, 1, event_callbacks=NO_EVENTS
             )
-            try:
-                self._hooks.stop("subscription", subscription)
-            except RuntimeError as error:
-                raise UnsupportedError(str(error)) from error
-            finally:
-                node.destroy_subscription(subscription)
+        try:
+            self._hooks.stop("subscription", subscription)
+        except RuntimeError as error:
+            raise _unsupported(error) from error
+        finally:
+            node.destroy_subscription(subscription)
 
     def open(
         self,
@@ -122,19 +65,19 @@ class EventfdReadyEvents:
         on_ready: Callable[[], None],
         *,
         is_counted: bool = True,
-    ) -> "EventfdSource":
-        """Create an entity. See `ReadyEvents`."""
-        return EventfdSource(
+    ) -> "EventSource":
+        """Create an entity. *on_ready* is called on the loop's thread while it has something.
+
+        One call may stand for many events, or for none. If it is not counted, *on_ready* must call
+        `EventSource.clear`, and nobody `count_take`. Raises what *create* raises.
+        """
+        return EventSource(
             self._loop, self._hooks, kind, create, destroy, on_ready, is_counted=is_counted
         )
 
-    def faults(self) -> Sequence[Fault]:
-        """Return nothing: no thread of the gateway is part of it."""
-        return ()
 
-
-class EventfdSource:
-    """One entity and the eventfd that counts what arrives at it."""
+class EventSource:
+    """One entity that the event loop takes from, and the eventfd that counts what arrives at it."""
 
     def __init__(
         self,
@@ -170,14 +113,11 @@ class EventfdSource:
         self._repeats += 1
         os.eventfd_write(self._fd, 1)
 
-    def pause(self) -> None:
-        """Do nothing: each arrival is reported once."""
-
-    def resume(self) -> None:
-        """Do nothing."""
-
     def count_take(self) -> bool:
-        """Count one take. See `EventSource`."""
+        """Count one take of any outcome. Return whether a message is known to have been there.
+
+        rclpy returns the same for a message that it cannot read as for no message.
+        """
         if not self._pending:
             self._count()
         is_pending = self._pending > 0
@@ -185,9 +125,10 @@ class EventfdSource:
         return is_pending
 
     def close(self) -> None:
-        """Stop counting, destroy the entity, close the eventfd: the steps of opening, backwards.
+        """Stop calling *on_ready*, and destroy the entity. Closing twice is harmless.
 
-        In any other order the thread of DDS might write into a file that reuses the descriptor.
+        These are the steps of opening, backwards. In any other order the thread of DDS might write
+        into a file that reuses the descriptor.
         """
         self._undo.close()
 
@@ -205,18 +146,10 @@ class EventfdSource:
         self._pending = min(self._pending + arrived, MAX_QUEUE_DEPTH)  # DDS has dropped the rest
 
 
-def _require_readers(loop: asyncio.AbstractEventLoop) -> None:
-    if not hasattr(os, "eventfd"):
-        raise UnsupportedError("this Python has no eventfd")
-    fd = os.eventfd(0, os.EFD_CLOEXEC)
-    try:
-        loop.add_reader(fd, _never_called)
-        loop.remove_reader(fd)
-    except NotImplementedError as error:
-        raise UnsupportedError("this event loop watches no file descriptors") from error
-    finally:
-        os.close(fd)
+def _unsupported(error: Exception) -> RosError:
+    text = f"this middleware does not report arrivals ({error}): use RMW_IMPLEMENTATION="
+    return RosError("internal", f"{text}rmw_fastrtps_cpp")
 
 
 def _never_called(*_: object) -> None:
-    """Serve as the callback that the loop, or rclpy, requires."""
+    """Serve as the callback that rclpy requires."""

@@ -142,7 +142,6 @@ class Reader:
         """Deliver now all that is waiting, in as many calls as it takes. Closing ends it."""
         large, self._large = self._large, None
         if large is not None:
-            self._source.resume()
             self._finish(large.stop())
         for _ in range(_TURNS_PER_FLUSH):
             if self._is_closed or not (samples := self._take()):
@@ -205,7 +204,6 @@ class Reader:
             self._asks_again = True
             return
         self._asks_again = False
-        self._source.pause()
         self._large = self._large_takes.start(
             self._subscription, self._message_class, self._large_has_ended
         )
@@ -223,8 +221,6 @@ class Reader:
         # before the result, which may be an error: samples that have arrived are reported once
         if self._asks_again:
             self._source.notify_again()
-        else:
-            self._source.resume()
         try:
             samples = large.result.result()
         except RuntimeError:

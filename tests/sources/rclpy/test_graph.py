@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Word of changes, by waiting and by looking."""
+"""Word of changes, by waiting."""
 
 import asyncio
 import concurrent.futures
@@ -10,10 +10,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from gateway.sources.rclpy import RosOptions
 from gateway.sources.rclpy.graph import GraphChanges, read_offers
-from gateway.sources.rclpy.port import RclpyRos
-from gateway.sources.source import Qos
 from tests.client import TIMEOUT_S, eventually
 from tests.sources.outside import Outside
 
@@ -27,14 +24,12 @@ def watching() -> Iterator[Outside]:
     outside.close()
 
 
-@pytest.mark.parametrize("polling", [False, True])
-async def test_changes_are_told_on_the_loops_thread_until_closed(watching, outside, polling):
+async def test_changes_are_told_on_the_loops_thread_until_closed(watching, outside):
     threads: list[int] = []
     changes = GraphChanges(
         watching.node,
         asyncio.get_running_loop(),
         lambda: threads.append(threading.get_ident()),
-        polling=polling,
     )
     publisher = outside.add_publisher("/count", INT32)
     await eventually(lambda: bool(threads) and bool(read_offers(watching.node, "/count")))
@@ -51,29 +46,15 @@ async def test_changes_are_told_on_the_loops_thread_until_closed(watching, outsi
 
 async def test_closing_ends_the_thread_at_once(watching: Outside) -> None:
     before = threading.active_count()
-    for polling in (False, True):
-        changes = GraphChanges(
-            watching.node, asyncio.get_running_loop(), lambda: None, polling=polling
-        )
-        assert threading.active_count() == before + 1
-        changes.close()
-        assert threading.active_count() == before
-
-
-async def test_a_subscription_follows_its_publishers_where_nobody_can_wait(outside, monkeypatch):
-    monkeypatch.setattr("gateway.sources.rclpy.graph.GraphWaitSet.create", lambda node: None)
-    ros = RclpyRos(RosOptions())
-    try:
-        subscription = ros.subscribe("/count", INT32, Qos(), lambda _: None, lambda _: None)
-        outside.add_publisher("/count", INT32, Qos(reliability="best_effort"))
-        await eventually(lambda: subscription.qos.reliability == "best_effort")
-    finally:
-        ros.close()
+    changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: None)
+    assert threading.active_count() == before + 1
+    changes.close()
+    assert threading.active_count() == before
 
 
 async def test_closing_between_two_looks_is_not_slept_through(watching, monkeypatch):
     waits = _WaitSetThatIsClosedWhileLooking()
-    monkeypatch.setattr("gateway.sources.rclpy.graph.GraphWaitSet.create", lambda node: waits)
+    monkeypatch.setattr("gateway.sources.rclpy.graph.GraphWaitSet", lambda node: waits)
     changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: None)
     waits.stopping.set_result(changes._stopping)
     await asyncio.to_thread(changes._thread.join, 30)
@@ -148,7 +129,7 @@ async def test_following_the_graph_takes_at_most_a_tenth_of_the_loop(
 ) -> None:
     waits = _WaitSetOfChanges()
     clock = itertools.count(0.0, handling_s)
-    monkeypatch.setattr("gateway.sources.rclpy.graph.GraphWaitSet.create", lambda node: waits)
+    monkeypatch.setattr("gateway.sources.rclpy.graph.GraphWaitSet", lambda node: waits)
     monkeypatch.setattr("gateway.sources.rclpy.graph.perf_counter", lambda: next(clock))
     calls: list[None] = []
     changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: calls.append(None))
@@ -161,19 +142,9 @@ async def test_following_the_graph_takes_at_most_a_tenth_of_the_loop(
     assert settling.settled_s[:2] == [0.02, settle_s]
 
 
-async def test_without_a_way_to_wait_the_graph_is_checked_twice_a_second(watching):
-    changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: None, polling=True)
-    former, changes._stopping = changes._stopping, _Settling()
-    former.set()  # ends the wait that goes on
-    settling = changes._stopping
-    await eventually(lambda: bool(settling.settled_s) or not changes._thread.is_alive())
-    changes.close()
-    assert set(settling.settled_s) <= {0.5}
-
-
 async def test_a_busy_loop_has_one_call_waiting(watching, monkeypatch):
     waits = _WaitSetOfChanges()
-    monkeypatch.setattr("gateway.sources.rclpy.graph.GraphWaitSet.create", lambda node: waits)
+    monkeypatch.setattr("gateway.sources.rclpy.graph.GraphWaitSet", lambda node: waits)
     calls: list[None] = []
     changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: calls.append(None))
     for _ in range(3):
@@ -185,23 +156,23 @@ async def test_a_busy_loop_has_one_call_waiting(watching, monkeypatch):
     changes.close()
 
 
-async def test_a_wait_that_fails_is_logged_once_and_followed_by_looking(
-    watching: Outside,
-    outside: Outside,
-    monkeypatch: pytest.MonkeyPatch,
-    caplog: pytest.LogCaptureFixture,
+async def test_a_wait_that_fails_is_logged_and_tried_again_a_second_later(
+    watching: Outside, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     waits = _WaitSetOfChanges()
     waits.is_broken = True
-    monkeypatch.setattr("gateway.sources.rclpy.graph.GraphWaitSet.create", lambda node: waits)
+    monkeypatch.setattr("gateway.sources.rclpy.graph.GraphWaitSet", lambda node: waits)
     calls: list[None] = []
     changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: calls.append(None))
+    changes._stopping = settling = _Settling()
     waits.changes.release()
     await eventually(lambda: bool(calls))  # it reports changes of this time
+    assert settling.settled_s[0] == 1
+    waits.is_broken = False
     calls.clear()
-    outside.add_publisher("/count", INT32)
+    waits.changes.release()
     await eventually(lambda: bool(calls))
     changes.close()
     assert [record.getMessage() for record in caplog.records] == [
-        "waiting for graph changes failed, looking every 0.5 s"
+        "waiting for graph changes failed, trying again in 1 s"
     ]

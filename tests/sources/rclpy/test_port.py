@@ -19,10 +19,8 @@ from gateway.errors import RosMissingError
 from gateway.sources.actions import GoalRequest
 from gateway.sources.rclpy import RosOptions, open_ros
 from gateway.sources.rclpy.graph import read_actions, read_all_services
-from gateway.sources.rclpy.options import Taking
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.rclpy_private import ReadyCallbacks
-from gateway.sources.rclpy.ready_events import UnsupportedError
 from gateway.sources.services import ServiceRequest
 from gateway.sources.source import (
     Graph,
@@ -86,11 +84,10 @@ def resources() -> tuple[int, int]:
     return len(list(Path("/proc/self/fd").iterdir())), len(list(Path("/proc/self/task").iterdir()))
 
 
-@pytest.mark.parametrize("taking", ["eventfd", "wait_set"])
-async def test_repeated_starts_leave_no_descriptor_and_no_thread(taking: Taking) -> None:
+async def test_repeated_starts_leave_no_descriptor_and_no_thread() -> None:
     baseline = (0, 0)
     for number in range(6):
-        async with open_ros(RosOptions(taking=taking)) as ros:
+        async with open_ros() as ros:
             await hears_itself(ros)
             ros.watch_graph(ignore)
             ros.subscribe("/left_open", INT32, Qos(), ignore, ignore)
@@ -113,15 +110,14 @@ async def test_nested_starts_are_independent() -> None:
         await eventually(lambda: "/inner_debug" not in outer.graph().nodes)
 
 
-@pytest.mark.parametrize("taking", ["eventfd", "wait_set"])
-async def test_ending_in_the_middle_of_a_flood_is_clean(outside: Outside, taking: Taking) -> None:
+async def test_ending_in_the_middle_of_a_flood_is_clean(outside: Outside) -> None:
     problems: list[object] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, context: problems.append(context))
     flood = Flood(outside.add_publisher("/flood", INT32))
     try:
         for _ in range(3):
             received: list[Sample] = []
-            async with open_ros(RosOptions(taking=taking)) as ros:
+            async with open_ros() as ros:
                 ros.subscribe("/flood", INT32, Qos(), received.extend, ignore)
                 await eventually(lambda: len(received) > 200)  # noqa: B023
             seen = len(received)
@@ -305,7 +301,7 @@ async def test_a_lack_of_descriptors_is_a_ros_error_and_leaves_nothing(monkeypat
     def none_left(*_: object) -> int:
         raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
 
-    async with open_ros(RosOptions(taking="eventfd")) as ros:
+    async with open_ros() as ros:
         with monkeypatch.context() as patch:
             patch.setattr("os.eventfd", none_left)
             with pytest.raises(RosError, match="Too many open files") as caught:
@@ -424,49 +420,31 @@ async def test_an_own_service_is_in_the_graph_before_dds_has_found_it(monkeypatc
         assert (ros.graph().actions, ros.action_types("/count")) == ((), ())
 
 
-@pytest.mark.parametrize(
-    ("taking", "threads"),
-    [
-        ("eventfd", ["ros_executor", "ros_graph", "ros_graph"]),
-        ("wait_set", ["ros_executor", "ros_graph", "ros_graph", "ros_ready"]),
-    ],
-)
-async def test_there_are_few_threads(taking: Taking, threads: list[str]) -> None:
+async def test_there_are_few_threads() -> None:
+    threads = ["ros_executor", "ros_graph", "ros_graph"]
     before = set(threading.enumerate())
-    async with open_ros(RosOptions(taking=taking)):
+    async with open_ros():
         assert sorted(each.name for each in set(threading.enumerate()) - before) == threads
     assert set(threading.enumerate()) == before
 
 
-async def test_a_middleware_without_callbacks_is_noticed_at_the_start(monkeypatch, outside):
+async def test_a_middleware_without_callbacks_is_refused_at_the_start(monkeypatch):
     unsupported = 3  # RMW_RET_UNSUPPORTED
 
     def refuse(self: ReadyCallbacks, kind: object, entity: object, *_: object) -> None:
         raise RuntimeError(f"rcl returned {unsupported}")
 
     monkeypatch.setattr(ReadyCallbacks, "_call", refuse)
-    publisher = outside.add_publisher("/t", INT32)
-    received: list[Sample] = []
-    async with open_ros() as ros:
-        ros.subscribe("/t", INT32, Qos(), received.extend, lambda _: None)
-
-        def arrives() -> bool:
-            publisher.publish(b"\0\1\0\0\7\0\0\0")
-            return bool(received)
-
-        await eventually(arrives)
-        assert ros.faults() == []
-    with pytest.raises(UnsupportedError, match="returned 3"):
-        async with open_ros(RosOptions(taking="eventfd")):
+    with pytest.raises(RosError, match=r"does not report arrivals \(rcl returned 3\): use RMW_"):
+        async with open_ros():
             pass
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("taking", ["eventfd", "wait_set"])
-async def test_two_hundred_rounds_of_each_kind_leave_nothing(taking: Taking) -> None:
+async def test_two_hundred_rounds_of_each_kind_leave_nothing() -> None:
     requests: list[ServiceRequest] = []
     goals: list[GoalRequest] = []
-    ros = RclpyRos(RosOptions(taking=taking))
+    ros = RclpyRos(RosOptions())
     nodes: list[Node] = [
         *(ros.services._endpoints.node, ros._publishers._node),
         ros._subscriptions._node,

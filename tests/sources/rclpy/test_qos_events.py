@@ -29,9 +29,9 @@ SECOND = 1_000_000_000
 TENTH_NS = 100_000_000
 
 
-@pytest.fixture(params=["eventfd", "wait_set"])
-async def ros(request: pytest.FixtureRequest) -> AsyncIterator[RclpyRos]:
-    ros = RclpyRos(RosOptions(taking=request.param))
+@pytest.fixture
+async def ros() -> AsyncIterator[RclpyRos]:
+    ros = RclpyRos(RosOptions())
     yield ros
     ros.close()
 

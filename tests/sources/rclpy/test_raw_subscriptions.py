@@ -27,7 +27,7 @@ WAITING = 100
 
 @pytest.fixture
 async def ros() -> AsyncIterator[RclpyRos]:
-    ros = RclpyRos(RosOptions(taking="eventfd"))
+    ros = RclpyRos(RosOptions())
     yield ros
     ros.close()
 

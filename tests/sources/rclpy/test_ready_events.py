@@ -8,7 +8,8 @@ from unittest.mock import Mock
 
 import pytest
 
-from gateway.sources.rclpy.ready_events import EventfdReadyEvents, EventfdSource, UnsupportedError
+from gateway.sources.rclpy.ready_events import EventSource, ReadyEvents
+from gateway.sources.source import RosError
 
 
 class Entity:
@@ -20,19 +21,8 @@ async def test_without_a_function_of_rcl_it_is_unsupported(monkeypatch):
         raise OSError(f"{name}: cannot open shared object file")
 
     monkeypatch.setattr("ctypes.CDLL", no_library)
-    with pytest.raises(UnsupportedError, match=r"librcl\.so"):
-        EventfdReadyEvents(asyncio.get_running_loop())
-
-
-async def test_without_readers_on_the_loop_it_is_unsupported(monkeypatch):
-    loop = asyncio.get_running_loop()
-
-    def no_readers(*_: object) -> None:
-        raise NotImplementedError
-
-    monkeypatch.setattr(loop, "add_reader", no_readers)
-    with pytest.raises(UnsupportedError, match="watches no file descriptors"):
-        EventfdReadyEvents(loop)
+    with pytest.raises(RosError, match=r"librcl\.so"):
+        ReadyEvents(asyncio.get_running_loop())
 
 
 async def test_an_entity_that_cannot_be_created_leaves_no_descriptor() -> None:
@@ -42,7 +32,7 @@ async def test_an_entity_that_cannot_be_created_leaves_no_descriptor() -> None:
     loop = asyncio.get_running_loop()
     free = os.eventfd(0)
     os.close(free)
-    ready_events = EventfdReadyEvents(loop)
+    ready_events = ReadyEvents(loop)
     with pytest.raises(RuntimeError, match="no entities today"):
         ready_events.open("client", refuse, lambda _: None, lambda: None)
     again = os.eventfd(0)
@@ -64,7 +54,7 @@ class Callbacks:
 async def test_takes_are_counted_against_what_has_arrived_and_dds_can_have_kept() -> None:
     callbacks: Any = Callbacks()
     loop = asyncio.get_running_loop()
-    source = EventfdSource(
+    source = EventSource(
         loop, callbacks, "client", Entity, lambda _: None, lambda: None, is_counted=True
     )
     assert not source.count_take()
@@ -82,7 +72,7 @@ async def test_a_take_that_raises_is_not_repeated_for_nothing_new(monkeypatch):
     raised = asyncio.Event()
     loop = asyncio.get_running_loop()
     loop.set_exception_handler(lambda *_: raised.set())
-    ready_events = EventfdReadyEvents(loop)
+    ready_events = ReadyEvents(loop)
     monkeypatch.setattr(ready_events, "_hooks", Mock())
 
     def take() -> None:

@@ -19,9 +19,8 @@ from gateway.sources.rclpy.interfaces import message_class
 from gateway.sources.rclpy.large_takes import LARGE_SAMPLE_BYTES
 from gateway.sources.rclpy.profile import to_profile
 from gateway.sources.rclpy.qos import adopt
-from gateway.sources.rclpy.ready_events import EventfdReadyEvents
+from gateway.sources.rclpy.ready_events import ReadyEvents
 from gateway.sources.rclpy.samples import Samples
-from gateway.sources.rclpy.wait_set_events import WaitSetReadyEvents
 from gateway.sources.source import MAX_TAKES_PER_TURN, Qos, Sample
 from tests.client import TIMEOUT_S, eventually
 from tests.sources.nodes import open_node
@@ -45,7 +44,7 @@ def node() -> Iterator[Node]:
 
 
 def samples_of(node: Node) -> Samples:
-    return Samples(node, EventfdReadyEvents(asyncio.get_running_loop()))
+    return Samples(node, ReadyEvents(asyncio.get_running_loop()))
 
 
 class Flood:
@@ -355,14 +354,13 @@ async def test_samples_that_arrive_while_the_thread_takes_bring_one_further_take
     monkeypatch.setattr(samples.large_takes, "_take", lambda *_: None)  # all has been taken
     reader = samples.read(TEXT, "/cloud", to_profile(adopt(Qos(), ())), lambda _: None)
     steps: list[str] = []
-    for name in ("notify_again", "resume"):
-        monkeypatch.setattr(reader._source, name, partial(steps.append, name))
+    monkeypatch.setattr(reader._source, "notify_again", partial(steps.append, "notify_again"))
     reader._take_large()
     reader._take_large()  # more has arrived
     await eventually(lambda: steps == ["notify_again"])
     reader._take_large()
-    await eventually(lambda: len(steps) == 2)
-    assert steps == ["notify_again", "resume"]
+    await eventually(lambda: reader._large is None)
+    assert steps == ["notify_again"]
     reader.close()
 
 
@@ -377,27 +375,3 @@ async def test_a_reader_that_closes_waits_for_one_sample_alone(samples, outside)
     threading.Timer(0.05, held.let.release).start()
     reader.close()
     assert not held.begun.acquire(blocking=False)
-
-
-async def test_a_wait_set_does_not_tell_of_what_the_thread_is_taking(node, outside):
-    with (
-        contextlib.closing(WaitSetReadyEvents(node.context, asyncio.get_running_loop())) as events,
-        contextlib.closing(Samples(node, events)) as samples,
-    ):
-        held = HeldTakes(samples)
-        latched = Qos(reliability="reliable", durability="transient_local", depth=10)
-        publisher = outside.add_publisher("/map", STRING, latched)
-        received: list[Sample] = []
-        calls: list[int] = []
-        reader = samples.read(TEXT, "/map", to_profile(adopt(latched, ())), received.extend)
-        take_large = reader._take_large
-        reader._take_large = lambda: (calls.append(1), take_large())  # type: ignore[method-assign]
-        publisher.publish(text(100, b"a"))
-        await held.has_begun()
-        await asyncio.sleep(0.2)  # the loop runs although it is notified again and again
-        assert len(calls) == 1
-        for _ in range(10):
-            held.let.release()
-        publisher.publish(text(100, b"b"))
-        await eventually(lambda: len(received) == 2)
-        reader.close()

@@ -42,8 +42,8 @@ Functions of ``librcl.so``, by ctypes. Each takes the address of an entity:
 ``rcl_subscription_set_on_new_message_callback``, ``rcl_client_set_on_new_response_callback``,
 ``rcl_service_set_on_new_request_callback``
     Take ``(entity, callback, user_data)`` and call ``callback(user_data, count)`` on a thread of
-    DDS. Since Humble. Without one of them, or where the middleware does not support them:
-    `gateway.sources.rclpy.wait_set_events.WaitSetReadyEvents`.
+    DDS. Since Humble. Without one of them, or if the middleware does not support them: the gateway
+    does not start.
 ``rcl_take_serialized_message``
     Takes ``(subscription, rcl_serialized_message_t, rmw_message_info_t, NULL)`` and returns 0, or
     401 where nothing is there. The layouts of both structures, with the publisher's GUID, and
@@ -51,15 +51,12 @@ Functions of ``librcl.so``, by ctypes. Each takes the address of an entity:
     ``librcutils.so``, go with it. Without them: ``take_message`` also for large samples, with two
     more copies of each and the GIL held, and samples that come to two readers are delivered twice.
 ``rcl_node_get_graph_guard_condition``, ``rcl_wait_set_add_guard_condition``
-    Without one of them: `gateway.sources.rclpy.graph.GraphChanges` looks twice a second.
+    Without one of them: the gateway does not start.
 
 Wait sets: ``rclpy.impl.implementation_singleton.rclpy_implementation.WaitSet``, with six counts and
 a context. ``clear_entities``, ``add_guard_condition``, ``pointer``, ``wait`` and
 ``destroy_when_not_in_use``. With them ``GuardCondition.handle``, ``Node.handle`` and
 ``Context.handle``. Without them: as without ``rcl_wait_set_add_guard_condition``.
-``add_subscription``, ``add_client``, ``add_service``, which return a number, ``is_ready(kind,
-number)``, and ``InvalidHandle``, raised on entering the handle of what is destroyed. Without them:
-no ``RosOptions(taking="wait_set")``.
 
 ``rclpy.experimental.events_executor.EventsExecutor``
     Since Jazzy. Without it: ``SingleThreadedExecutor``, which looks at every entity at each turn.
@@ -95,7 +92,6 @@ from gateway.sources.rclpy.rclpy_private.handles import (
 from gateway.sources.rclpy.rclpy_private.readiness import (
     GRAPH_FUNCTIONS,
     READY_CALLBACK_SETTERS,
-    EntityWaitSet,
     GraphWaitSet,
     Kind,
     ReadyCallbacks,
@@ -108,7 +104,6 @@ __all__ = [
     "READY_CALLBACK_SETTERS",
     "RESPONSE_TIMED_OUT",
     "SPIN_S",
-    "EntityWaitSet",
     "GraphWaitSet",
     "Kind",
     "MissingFunctionError",

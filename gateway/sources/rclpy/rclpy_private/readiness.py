@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Readiness of entities: functions of C that are called for it, and wait sets."""
+"""Functions of C that count what becomes ready, and a wait set for changes of the graph."""
 
 import contextlib
 import ctypes
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import Any, Final, Literal
 
-from rclpy.context import Context
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
@@ -66,26 +64,20 @@ class ReadyCallbacks:
 class GraphWaitSet:
     """A wait set of rcl with a node's graph guard condition in it, and one to wake it."""
 
-    def __init__(self, node: Node, graph_condition: int, add: Callable[..., int]) -> None:
+    def __init__(self, node: Node) -> None:
+        """Find the functions, and the condition.
+
+        Raises:
+            MissingFunctionError: rcl lacks one.
+        """
+        find_name, add_name = GRAPH_FUNCTIONS
+        find = rcl_function(find_name, ctypes.c_void_p, argument_count=1)
+        self._add = rcl_function(add_name, ctypes.c_int, argument_count=3)
         self._node = handle_of(node)
         self._context = handle_of(node.context)
-        self._graph_condition = graph_condition
-        self._add = add
+        with self._node:
+            self._graph_condition = find(self._node.pointer)
         self._wake = GuardCondition(_nothing, None, context=node.context)
-
-    @classmethod
-    def create(cls, node: Node) -> "GraphWaitSet | None":
-        """Return one, or ``None`` if rcl lacks a function."""
-        find_name, add_name = GRAPH_FUNCTIONS
-        try:
-            find = rcl_function(find_name, ctypes.c_void_p, argument_count=1)
-            add = rcl_function(add_name, ctypes.c_int, argument_count=3)
-        except MissingFunctionError:
-            return None
-        handle = handle_of(node)
-        with handle:
-            condition = find(handle.pointer)
-        return cls(node, condition, add) if condition else None
 
     def wake(self) -> None:
         """End the wait that is going on, or the next one. From any thread."""
@@ -113,48 +105,6 @@ class GraphWaitSet:
 
                 yield wait
             wait_set.destroy_when_not_in_use()
-
-
-class EntityWaitSet:
-    """Wait sets of rcl for subscriptions, clients and services, and a condition to wake them."""
-
-    def __init__(self, context: Context) -> None:
-        self._context = handle_of(context)
-        self._wake = GuardCondition(_nothing, None, context=context)
-
-    def wake(self) -> None:
-        """End the wait that is going on, or the next one. From any thread."""
-        self._wake.trigger()
-
-    def close(self) -> None:
-        """Destroy the condition, once nobody waits."""
-        self._wake.destroy()
-
-    def wait(self, entities: Sequence[tuple[Kind, Any]]) -> Sequence[int]:
-        """Wait until some are ready, or for `wake`. Return the indices of those that are ready.
-
-        Entities that another thread destroys are left out, or destroyed once the wait has ended.
-        """
-        kinds = Counter(kind for kind, _ in entities)
-        wake = handle_of(self._wake)
-        with self._context, wake, contextlib.ExitStack() as used:
-            wait_set = rclpy_implementation.WaitSet(
-                kinds["subscription"], 1, 0, kinds["client"], kinds["service"], 0, self._context
-            )
-            with wait_set:
-                wait_set.clear_entities()
-                wait_set.add_guard_condition(wake)
-                places = []
-                for index, (kind, entity) in enumerate(entities):
-                    handle = handle_of(entity)
-                    with contextlib.suppress(rclpy_implementation.InvalidHandle):
-                        used.enter_context(handle)
-                        add = getattr(wait_set, f"add_{kind}")
-                        places.append((index, kind, add(handle)))
-                wait_set.wait(-1)
-                ready = [index for index, kind, place in places if wait_set.is_ready(kind, place)]
-            wait_set.destroy_when_not_in_use()
-        return ready
 
 
 def _nothing() -> None:
