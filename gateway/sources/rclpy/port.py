@@ -127,14 +127,7 @@ class RclpyRos:
             undo.callback(self.actions.close)
             self._watches = self._open_watches(loop, undo)
             self._told = self._open_definitions(undo)
-            self._changes = [
-                undo.enter_context(contextlib.closing(GraphChanges(node, loop, on_change)))
-                for node, on_change in (
-                    (nodes.debug, self._graph_changed),
-                    (nodes.commanding, self._command_topics_changed),
-                )
-                if node is not nodes.publishing
-            ]
+            self._changes = self._open_changes(loop, undo)
             self._undo = undo.pop_all()
         self._is_closed = False
 
@@ -278,6 +271,17 @@ class RclpyRos:
         undo.callback(self._same_names.close)
         watches.add(self._same_names.look)
         return watches
+
+    def _open_changes(
+        self, loop: asyncio.AbstractEventLoop, undo: contextlib.ExitStack
+    ) -> list[GraphChanges]:
+        followed = [(self._debug, self._graph_changed)]
+        if self._nodes.commanding is not self._nodes.publishing:
+            followed.append((self._nodes.commanding, self._command_topics_changed))
+        changes = [GraphChanges(node, loop, on_change) for node, on_change in followed]
+        for each in changes:
+            undo.callback(each.close)
+        return changes
 
     def _open_definitions(self, undo: contextlib.ExitStack) -> NodeDefinitions | None:
         known = self._classes.definitions
