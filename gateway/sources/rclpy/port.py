@@ -97,10 +97,9 @@ class RclpyRos:
                 lambda: self.services.provided(),
                 lambda: self.actions.provided(),
             )
-            self.graph = self._known.whole
-            self.topic_types = self._known.topic_types
-            self.service_types = self._known.service_types
-            self.action_types = self._known.action_types
+            known = self._known
+            self.graph, self.topic_types = known.whole, known.topic_types
+            self.service_types, self.action_types = known.service_types, known.action_types
             events = QosEvents(loop)
             self._subscriptions = RawSubscriptions(
                 nodes.subscribing, samples, events, loop, self._known.topics_changed, self._classes
