@@ -43,7 +43,7 @@ class MessageClasses:
 
     @property
     def definitions(self) -> InstalledDefinitions | None:
-        """What is known of the types that are not installed."""
+        """The definitions that are known, also of types that are not installed."""
         return self._definitions
 
     async def make_types(self) -> None:

@@ -42,21 +42,22 @@ Functions of ``librcl.so``, by ctypes. Each takes the address of an entity:
 ``rcl_subscription_set_on_new_message_callback``, ``rcl_client_set_on_new_response_callback``,
 ``rcl_service_set_on_new_request_callback``
     Take ``(entity, callback, user_data)`` and call ``callback(user_data, count)`` on a thread of
-    DDS. Since Humble. Without one of them, or if the middleware does not support them: the gateway
-    does not start.
+    DDS. Without one of them, or if the middleware does not support them: the gateway does not start.
+
 ``rcl_take_serialized_message``
     Takes ``(subscription, rcl_serialized_message_t, rmw_message_info_t, NULL)`` and returns 0, or
     401 where nothing is there. The layouts of both structures, with the publisher's GUID, and
     ``rcutils_get_default_allocator``, ``rcutils_get_error_string`` and ``rcutils_reset_error`` of
     ``librcutils.so``, go with it. Without them: ``take_message`` also for large samples, with two
     more copies of each and the GIL held, and samples that come to two readers are delivered twice.
+
 ``rcl_node_get_graph_guard_condition``, ``rcl_wait_set_add_guard_condition``
     Without one of them: the gateway does not start.
 
 Wait sets: ``rclpy.impl.implementation_singleton.rclpy_implementation.WaitSet``, with six counts and
-a context. ``clear_entities``, ``add_guard_condition``, ``pointer``, ``wait`` and
-``destroy_when_not_in_use``. With them ``GuardCondition.handle``, ``Node.handle`` and
-``Context.handle``. Without them: as without ``rcl_wait_set_add_guard_condition``.
+a context, its ``clear_entities``, ``add_guard_condition``, ``pointer``, ``wait`` and
+``destroy_when_not_in_use``, with ``GuardCondition.handle``, ``Node.handle`` and ``Context.handle``.
+Without them: as without ``rcl_wait_set_add_guard_condition``.
 
 ``rclpy.experimental.events_executor.EventsExecutor``
     Since Jazzy. Without it: ``SingleThreadedExecutor``, which looks at every entity at each turn.
