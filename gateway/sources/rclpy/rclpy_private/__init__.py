@@ -42,7 +42,7 @@ Functions of ``librcl.so``, by ctypes. Each takes the address of an entity:
 ``rcl_subscription_set_on_new_message_callback``, ``rcl_client_set_on_new_response_callback``,
 ``rcl_service_set_on_new_request_callback``
     Take ``(entity, callback, user_data)`` and call ``callback(user_data, count)`` on a thread of
-    DDS. Without one of them, or if the middleware does not support them: the gateway does not start.
+    DDS. Without one of them, or on a middleware that lacks them: the gateway does not start.
 
 ``rcl_take_serialized_message``
     Takes ``(subscription, rcl_serialized_message_t, rmw_message_info_t, NULL)`` and returns 0, or
