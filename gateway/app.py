@@ -40,7 +40,7 @@ from gateway.sources.source import Diagnosis, LogLevel, Source
 from gateway.start import Start
 from gateway.transport.admission import Admission
 from gateway.transport.discovery_packets import MAX_PATH, FoundGateway
-from gateway.transport.front import Front
+from gateway.transport.front import Front, Fronts
 from gateway.transport.lan_discovery import answering_questions
 from gateway.transport.server import Door, Server
 from gateway.transport.static_files import PAGES, StaticFiles
@@ -89,7 +89,7 @@ def run(
     announce: Announce,
     load: Callable[[], Config],
     open_source: OpenSource | None = None,
-    open_front: OpenFront | None = None,
+    open_fronts: Sequence[OpenFront] = (),
     was_interrupted: Callable[[], bool] = lambda: False,
 ) -> int:
     """Serve until one of the `ENDING` signals. Return the exit code.
@@ -97,12 +97,13 @@ def run(
     Once clients can connect, *announce* gets the addresses. It returns a function, which is called
     once clients can drive. On SIGHUP, *load* returns the new configuration, whose tokens and
     permissions take effect. If a standard stream was a terminal that is closed now, SIGHUP ends the
-    gateway instead.
+    gateway instead. *open_fronts* make fronts in addition to rosbridge's.
 
     Raises:
         KeyboardInterrupt: the process *was_interrupted* before it handled signals itself.
         BindError: the address or port cannot be listened on.
-        ConfigError: the source refuses its part of the configuration.
+        ConfigError: the source refuses its part of the configuration, or two fronts exclude each
+            other.
         RosMissingError: rclpy is missing.
     """
     with asyncio.Runner(loop_factory=_loop_factory()) as runner:
@@ -112,7 +113,7 @@ def run(
                 announce,
                 load,
                 open_source or open_rclpy,
-                open_front or RosbridgeFront,
+                (RosbridgeFront, *open_fronts),
                 was_interrupted,
             )
         )
@@ -123,7 +124,7 @@ async def _serve(
     announce: Announce,
     load: Callable[[], Config],
     open_source: OpenSource,
-    open_front: OpenFront,
+    open_fronts: Sequence[OpenFront],
     was_interrupted: Callable[[], bool],
 ) -> int:
     keep_large_blocks()
@@ -155,7 +156,7 @@ async def _serve(
         start = Start(router.control)
         server = Server(
             router,
-            open_front(router),
+            Fronts(*(open_front(router) for open_front in open_fronts)),
             limits=config.limits,
             path=config.path,
             files=StaticFiles.read(PAGES, config.path),

@@ -10,6 +10,7 @@ from gateway.config.limits import Limits
 from gateway.core.router import Router
 from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.sources.rclpy import open_ros
+from gateway.transport.front import Fronts
 from gateway.transport.server import Door, Server
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
@@ -22,7 +23,7 @@ async def gateway_here(limits: Limits) -> AsyncIterator[str]:
         with ThreadPoolExecutor(1) as workers:
             types = Types(InstalledDefinitions())
             router = Router(ros, types, Table.load(), limits=limits, workers=workers, version="t")
-            server = Server(router, RosbridgeFront(router), limits=limits)
+            server = Server(router, Fronts(RosbridgeFront(router)), limits=limits)
             async with server.listening(["127.0.0.1"], Door(0)) as (((_, port),),):
                 yield f"ws://127.0.0.1:{port}/"
             router.close()

@@ -29,6 +29,7 @@ from gateway.core.router import Router
 from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.memory import keep_large_blocks
 from gateway.sources.rclpy import RosOptions, open_ros
+from gateway.transport.front import Fronts
 from gateway.transport.server import Door, Server
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from schemas.table import Table
@@ -83,7 +84,7 @@ async def _measure(turns: _Turns) -> list[Figure]:
                 ros, types, Table.load(), limits=limits, workers=workers, version="benchmark"
             )
             with contextlib.closing(router):
-                server = Server(router, RosbridgeFront(router), limits=limits)
+                server = Server(router, Fronts(RosbridgeFront(router)), limits=limits)
                 async with server.listening(["127.0.0.1"], Door(0)) as (((_, port),),):
                     gc.freeze()  # as the gateway does when it is ready
                     rows = [

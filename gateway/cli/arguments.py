@@ -224,7 +224,9 @@ def _add_serve(parser: argparse.ArgumentParser) -> None:
     # for who writes a source: docs/contributing/adding-a-source.md
     parser.add_argument("--source", metavar="MODULE:FUNCTION", help=argparse.SUPPRESS)
     # for who writes a front: docs/contributing/adding-a-front.md
-    parser.add_argument("--front", metavar="MODULE:FUNCTION", help=argparse.SUPPRESS)
+    parser.add_argument(
+        "--front", action="append", metavar="MODULE:FUNCTION", help=argparse.SUPPRESS
+    )
     _add_configuration(parser)
 
 

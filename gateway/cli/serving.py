@@ -112,7 +112,10 @@ def _run_gateway(
     *,
     opens_page: bool = False,
 ) -> int:
-    open_source, open_front = _named(arguments, "source"), _named(arguments, "front")
+    # the simulated robot has no other source, and no front
+    source, fronts = getattr(arguments, "source", None), getattr(arguments, "front", None)
+    open_source = None if source is None else _named("source", source)
+    open_fronts = [_named("front", name) for name in fronts or ()]
     if open_source is None:
         require_rclpy()
     from gateway import app
@@ -122,7 +125,7 @@ def _run_gateway(
         _with_certificate(loaded.config),
         announce=partial(_announce, loaded.config, hint, opens_page),
         open_source=open_source,
-        open_front=open_front,
+        open_fronts=open_fronts,
         load=lambda: _with_certificate(_configuration(arguments).config),
         was_interrupted=was_interrupted,
     )
@@ -186,11 +189,8 @@ def _with_certificate(config: "Config") -> "Config":
     return config.model_copy(update={"tls": tls})
 
 
-def _named(arguments: argparse.Namespace, part: str) -> Any:
-    """Return the function that ``--source`` or ``--front MODULE:FUNCTION`` names, if one is."""
-    name = getattr(arguments, part, None)  # the simulated robot has no other
-    if name is None:
-        return None
+def _named(part: str, name: str) -> Any:
+    """Return the function that ``--source`` or ``--front MODULE:FUNCTION`` names."""
     module_name, _, function = name.partition(":")
     try:
         found = getattr(import_module(module_name), function)

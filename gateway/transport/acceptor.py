@@ -11,7 +11,7 @@ from websockets.server import ServerProtocol
 
 from gateway.config.limits import Limits
 from gateway.transport.end import End
-from gateway.transport.front import ClientSession
+from gateway.transport.front import ClientSession, Front, Fronts
 from gateway.transport.time_budget import TimeBudgets
 
 if TYPE_CHECKING:  # it imports this
@@ -22,6 +22,7 @@ class Acceptor(Protocol):
     """The part of the server that a connection needs."""
 
     limits: Limits
+    fronts: Fronts
     budgets: TimeBudgets
     numbers: Iterator[int]  # of connections
 
@@ -42,11 +43,8 @@ class Acceptor(Protocol):
     def malformed(self, start: bytes) -> bytes:
         """Return the response to bytes that begin like this and are not an HTTP request."""
 
-    def enter(self, connection: Connection, request: Request) -> ClientSession | None:
+    def enter(self, connection: Connection, front: Front, request: Request) -> ClientSession | None:
         """Open the session of a client after its handshake, or ``None`` if it was turned away."""
-
-    def receive(self, session: ClientSession, data: bytes) -> None:
-        """Carry out one message."""
 
     def end_turn(self, session: ClientSession) -> None:
         """Carry out work that was deferred until the others have had their turn."""

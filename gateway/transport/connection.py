@@ -38,7 +38,7 @@ from gateway.transport.end import (
     ended_elsewhere,
 )
 from gateway.transport.frame_reader import DATA
-from gateway.transport.front import ClientSession
+from gateway.transport.front import ClientSession, Front
 from gateway.transport.http import new_protocol
 from gateway.transport.inbound import READ_CHUNK_BYTES, Inbound
 from gateway.transport.inbound_text import expect_text, receive_message
@@ -60,12 +60,13 @@ class Connection(asyncio.BufferedProtocol):
     def __init__(self, acceptor: Acceptor) -> None:
         self._acceptor = acceptor
         self._limits = acceptor.limits
-        self._protocol = new_protocol(self._limits.max_message_bytes)
+        self._protocol = new_protocol(self._limits.max_message_bytes, acceptor.fronts.choose)
         self._buffer = bytearray(READ_CHUNK_BYTES)
         self._transport: asyncio.Transport
         self._inbound: Inbound
         self._pacing: Pacing
         self._output: ProtocolOutput
+        self._front: Front
         self._session: ClientSession | None = None
         self._viewer: Viewer | None = None  # of pictures, by plain HTTP
         self._assembly = MessageAssembly()
@@ -291,7 +292,7 @@ class Connection(asyncio.BufferedProtocol):
             message = self._assembly.add(event)
             if message is not None:
                 # The state may be closing already: a close often comes with the last message.
-                receive = self._acceptor.receive
+                receive = self._front.receive
                 receive_message(self._session, message, receive, is_text=self._assembly.is_text)
 
     def end_piece(self) -> None:
@@ -330,7 +331,8 @@ class Connection(asyncio.BufferedProtocol):
             return
         self.address = self._acceptor.client_address(self.address, request)
         self.spending.move(self.address)
-        self._session = self._acceptor.enter(self, request)
+        self._front = self._acceptor.fronts.of(self._protocol.subprotocol)
+        self._session = self._acceptor.enter(self, self._front, request)
         if self._session is None:
             self._inbound.drop()
             return

@@ -2,7 +2,7 @@
 """The interface of a protocol that is spoken on the port."""
 
 from abc import abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from gateway.access.permissions import Identity
@@ -10,6 +10,7 @@ from gateway.config.limits import Limits
 from gateway.core.errors import Level, StatusCode
 from gateway.core.requests import Request
 from gateway.core.session import Session
+from gateway.errors import ConfigError
 
 
 class ClientSession(Session):
@@ -34,6 +35,10 @@ class ClientSession(Session):
 class Front(Protocol):
     """A protocol: it opens a session for each client, and reads its messages."""
 
+    @property
+    def subprotocols(self) -> Sequence[str]:
+        """The subprotocols of the WebSocket by which clients choose this front."""
+
     def open(
         self, wake: Callable[[], None], address: str, identity: Identity | None
     ) -> ClientSession:
@@ -47,3 +52,33 @@ class Front(Protocol):
 
     def receive(self, session: ClientSession, data: bytes) -> None:
         """Carry out one message of a client. Every error is answered."""
+
+
+class Fronts:
+    """The fronts of one port. A client chooses by its subprotocol, and the first is the default."""
+
+    def __init__(self, first: Front, *others: Front) -> None:
+        """Raise ConfigError if a client could not choose one of them."""
+        self._first = first
+        self._by_subprotocol: dict[str, Front] = {}
+        for front in (first, *others):
+            if not front.subprotocols:
+                text = f"--front: {_name(front)} has no subprotocol, so no client could choose it"
+                raise ConfigError(f"{text}: name one in its `subprotocols`")
+            for each in front.subprotocols:
+                other = self._by_subprotocol.setdefault(each, front)
+                if other is not front:
+                    text = f"--front: {_name(other)} and {_name(front)} both have subprotocol"
+                    raise ConfigError(f"{text} {each!r}: leave out one of them, or rename it there")
+
+    def choose(self, offered: Sequence[str]) -> str | None:
+        """Return the subprotocol to confirm: the first that a front has, or ``None``."""
+        return next((each for each in offered if each in self._by_subprotocol), None)
+
+    def of(self, subprotocol: str | None) -> Front:
+        """Return the front of a client, by the subprotocol that was confirmed."""
+        return self._first if subprotocol is None else self._by_subprotocol[subprotocol]
+
+
+def _name(front: Front) -> str:
+    return f"{type(front).__module__}:{type(front).__name__}"

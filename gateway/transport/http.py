@@ -16,7 +16,7 @@ from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 from websockets.typing import Subprotocol
 
-from gateway.access.credentials import SUBPROTOCOL, CredentialsError, check_target, token_in
+from gateway.access.credentials import CredentialsError, check_target, token_in
 from gateway.access.web_rules import NO_ORIGIN, WebRules, is_plain
 from gateway.transport import health
 from gateway.transport.front import ClientSession
@@ -309,24 +309,21 @@ def offered_subprotocols(headers: Headers) -> list[str]:
     return [each.strip() for each in values.split(",") if each.strip()]
 
 
-def select_subprotocol(
-    protocol: ServerProtocol, subprotocols: Sequence[Subprotocol]
-) -> Subprotocol | None:
-    """Confirm the subprotocol of browsers that send a token, and never the token itself.
+def new_protocol(
+    max_message_bytes: int, choose: Callable[[Sequence[str]], str | None]
+) -> ServerProtocol:
+    """Return the protocol of a connection. It logs nothing, because the gateway logs itself.
 
-    Clients that offer others, or none, get none.
+    *choose* confirms one of the subprotocols that a client offers, or none of them.
     """
-    del protocol
-    return Subprotocol(SUBPROTOCOL) if SUBPROTOCOL in subprotocols else None
-
-
-def new_protocol(max_message_bytes: int) -> ServerProtocol:
-    """Return the protocol of a connection. It logs nothing, because the gateway logs itself."""
     quiet = logging.getLogger(f"{__name__}.websockets")
     quiet.setLevel(logging.ERROR)
-    return ServerProtocol(
-        max_size=max_message_bytes, select_subprotocol=select_subprotocol, logger=quiet
-    )
+
+    def select(_: ServerProtocol, offered: Sequence[Subprotocol]) -> Subprotocol | None:
+        chosen = choose(offered)
+        return None if chosen is None else Subprotocol(chosen)
+
+    return ServerProtocol(max_size=max_message_bytes, select_subprotocol=select, logger=quiet)
 
 
 def _raw(status: int, phrase: str, text: str, headers: str = "") -> bytes:

@@ -40,7 +40,7 @@ from gateway.transport.connection import Connection
 from gateway.transport.counters import ServerCounters
 from gateway.transport.end import End, Why
 from gateway.transport.forwarded import client_address
-from gateway.transport.front import ClientSession, Front
+from gateway.transport.front import ClientSession, Front, Fronts
 from gateway.transport.health import FindFaults, Health, no_faults
 from gateway.transport.http import Asker, HttpFront, own_names, page
 from gateway.transport.picture_streams import Pictures
@@ -85,7 +85,7 @@ class Server:
     def __init__(  # noqa: PLR0913  # one argument for each part that it shares
         self,
         router: Router,
-        front: Front,
+        fronts: Fronts,
         *,
         limits: Limits,
         path: str = "/",
@@ -100,14 +100,14 @@ class Server:
         self.budgets = TimeBudgets(limits.client_time_share, limits.address_time_share)
         self._trusted_proxies = tuple(map(ipaddress.ip_network, trusted_proxies))
         self._router = router
-        self._front = front
+        self.fronts = fronts
         rules = web_rules or WebRules(own_names())
         self._http = HttpFront(
             path, files, rules, self.judged, self.health, self._metrics, self._show
         )
         self._find_faults = find_faults
         self._scrapes = Scrapes(self.state)
-        self._pictures = Pictures(router, front)
+        self._pictures = Pictures(router, fronts.of(None))
         self._counters = ServerCounters()
         self._admission = admission(self._room_for, rules)
         self._version = version
@@ -321,17 +321,17 @@ class Server:
             return f"over capacity: {same} clients of one address (limits.max_clients_per_address)"
         return None
 
-    def enter(self, connection: Connection, request: Request) -> ClientSession | None:
+    def enter(self, connection: Connection, front: Front, request: Request) -> ClientSession | None:
         """Open a session for a connection, or turn it away."""
         options = url_options(request.path)
         try:
             identity = self._admission.identify(connection, request.headers)
         except TurnedAwayError as error:
             code, reason = options.told(error.status), str(error)
-            text = None if code is None else self._front.rejection(code, reason)
+            text = None if code is None else front.rejection(code, reason)
             connection.turn_away(error.close_code, reason, text)
             return None
-        session = self._front.open(connection.flush, connection.address, identity)
+        session = front.open(connection.flush, connection.address, identity)
         session.client = connection.name
         options.apply(session)
         self._counters.began()
@@ -349,10 +349,6 @@ class Server:
         clients += self._pictures.sessions()
         for session in self._admission.reload(tokens, policy, clients):
             self._router.revoke(session)
-
-    def receive(self, session: ClientSession, data: bytes) -> None:
-        """Carry out one message of a session."""
-        self._front.receive(session, data)
 
     def end_turn(self, session: ClientSession) -> None:
         """Carry out the deferred work of a session."""

@@ -14,14 +14,28 @@ FRONT = "tests.fronts.lines:LineFront"
 EXAMPLE = Path(__file__).parents[1] / "fronts" / "lines.py"
 
 
-async def test_a_client_watches_a_topic_by_lines():
+def refused(*fronts: str) -> str:
+    """Return what the gateway prints that does not start with these fronts."""
+    options = [option for front in fronts for option in ("--front", front)]
+    command = (sys.executable, "-m", "tests.without_rclpy", "serve", "--source", SOURCE, *options)
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ended.returncode == 2
+    return ended.stderr
+
+
+async def test_clients_of_two_fronts_get_a_topic_each_in_its_own_form():
     parts = ("--source", SOURCE, "--front", FRONT)
     async with (
         gateway_process("serve", *parts, module="tests.without_rclpy") as gateway,
-        connect(gateway.url, proxy=None) as socket,
+        connect(gateway.url, proxy=None) as rosbridge,
+        connect(gateway.url, proxy=None, subprotocols=["other", "lines", "ros2-gateway"]) as socket,
     ):
+        assert (rosbridge.subprotocol, socket.subprotocol) == (None, "lines")
+        await rosbridge.send('{"op":"subscribe","topic":"/battery"}')
+        frame = '{"op":"publish","topic":"/battery","msg":{"percent":'
+        assert (await rosbridge.recv()).startswith(frame)
         await socket.send("watch /battery")
-        assert (await socket.recv()).startswith("ok topic /battery: ")
+        assert await socket.recv() == "ok subscribed to /battery (replay_msgs/msg/Battery)"
         assert (await socket.recv()).startswith('/battery {"percent":')
         await socket.send("unwatch /battery")
         await socket.send("unwatch /battery")
@@ -35,15 +49,13 @@ async def test_a_client_watches_a_topic_by_lines():
 
 
 def test_an_unknown_front_is_refused():
-    command = (sys.executable, "-m", "tests.without_rclpy", "serve", "--source", SOURCE)
-    ended = subprocess.run(
-        (*command, "--front", "tests.fronts.lines:Nothing"),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert ended.returncode == 2
-    assert "--front: unknown front 'tests.fronts.lines:Nothing'" in ended.stderr
+    text = "--front: unknown front 'tests.fronts.lines:Nothing'"
+    assert text in refused("tests.fronts.lines:Nothing")
+
+
+def test_two_fronts_with_one_subprotocol_are_refused():
+    text = f"--front: {FRONT} and {FRONT} both have subprotocol 'lines': leave out one of them"
+    assert text in refused(FRONT, FRONT)
 
 
 def test_the_example_stays_short():

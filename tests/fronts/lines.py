@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The example of adding-a-front.md: a protocol of lines with three operations.
 
-A client sends ``watch TOPIC``, ``unwatch TOPIC`` and ``stop``. It gets ``TOPIC MESSAGE``, with the
-message in JSON, ``ok TEXT`` and ``error TEXT``.
+A client with the subprotocol ``lines`` sends ``watch TOPIC``, ``unwatch TOPIC`` and ``stop``. It
+gets ``TOPIC MESSAGE``, with the message in JSON, ``ok TEXT`` and ``error TEXT``.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -117,6 +117,8 @@ class LineSession(ClientSession):
 
 class LineFront:
     """Reads lines, and has the core carry them out."""
+
+    subprotocols = ("lines",)
 
     def __init__(self, core: Router) -> None:
         self._core = core

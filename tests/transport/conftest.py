@@ -19,6 +19,7 @@ from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.core.router import Router
 from gateway.fronts.rosbridge.front import RosbridgeFront
+from gateway.transport.front import Fronts
 from gateway.transport.http import own_names
 from gateway.transport.server import Door, Server
 from schemas.folders import SHIPPED
@@ -88,7 +89,11 @@ def serve() -> Serve:
         with ThreadPoolExecutor(2) as workers:
             router = Router(ros, types, TABLE, limits=all_limits, workers=workers, version="test")
             server = Server(
-                router, RosbridgeFront(router), limits=all_limits, web_rules=rules, **options
+                router,
+                Fronts(RosbridgeFront(router)),
+                limits=all_limits,
+                web_rules=rules,
+                **options,
             )
             async with server.listening(["127.0.0.1"], Door(0, tls)) as (((_, port),),):
                 yield Served(server, ros, types, port)

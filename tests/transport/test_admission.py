@@ -327,7 +327,7 @@ async def test_of_those_that_wait_one_of_the_greediest_address_makes_room(serve:
         admission = served.server._admission
         entrants = [Entrant(address) for address in ("a", "b", "b", "c")]
         for entrant in entrants:
-            session = served.server._front.open(lambda: None, identity=None)
+            session = served.server.fronts.of(None).open(lambda: None, identity=None)
             admission.enter(entrant, session, None, 0.0)
             served.server._router.leave(session)
         assert [entrant.codes for entrant in entrants] == [[], [1013], [], []]

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from websockets.frames import Opcode
+from websockets.http11 import Request
 from websockets.protocol import Event
 
 from gateway.codec.types import Types
@@ -25,6 +26,7 @@ from gateway.transport import turns as turns_module
 from gateway.transport.connection import Connection
 from gateway.transport.end import End
 from gateway.transport.frame_reader import FrameReader
+from gateway.transport.front import ClientSession, Front, Fronts
 from gateway.transport.inbound import READ_COST_S
 from gateway.transport.server import Server
 from schemas.installed import InstalledDefinitions
@@ -95,13 +97,16 @@ class Transport(asyncio.Transport):
 
 
 class Acceptor:
-    """The server that a connection comes to, which takes no note of it.
+    """The server that a connection comes to, which takes no note of it, and its front.
 
     Each operation takes *cost_s*.
     """
 
     def __init__(self, server: Server, pass_time: Callable[[float], None]) -> None:
         self._server = server
+        self._front = server.fronts.of(None)
+        self.subprotocols = self._front.subprotocols
+        self.fronts = Fronts(self)
         self._pass_time = pass_time
         self.cost_s = 0.0
         self.received: list[bytes] = []
@@ -114,12 +119,15 @@ class Acceptor:
     def arrive(self, connection: Connection) -> None:
         pass
 
+    def enter(self, connection: Connection, _: Front, request: Request) -> ClientSession | None:
+        return self._server.enter(connection, self._front, request)
+
     def receive(self, session: RosbridgeSession, data: bytes) -> None:
         self._pass_time(self.cost_s)
         self.received.append(data)
         if session.is_overtaken:
             self.overtaken.append(data)
-        self._server.receive(session, data)
+        self._front.receive(session, data)
 
     def left(self, connection: Connection, session: RosbridgeSession | None, end: End) -> None:
         self._pass_time(self.leaving_cost_s)

@@ -62,7 +62,7 @@ streams = st.lists(st.one_of(messages, st.sampled_from([TEXT, BEGUN, ENDED, PING
 
 
 def opened(max_bytes: int = MAX_BYTES) -> ServerProtocol:
-    protocol = new_protocol(max_bytes)
+    protocol = new_protocol(max_bytes, lambda _: None)
     protocol.receive_data(REQUEST)
     (request,) = protocol.events_received()
     assert isinstance(request, Request)

@@ -888,8 +888,9 @@ async def test_a_fault_in_the_core_closes_only_that_client_with_1011(serve, monk
                 raise ZeroDivisionError
             receive(session, data)
 
-        receive = served.server._front.receive
-        monkeypatch.setattr(served.server._front, "receive", fail)
+        front = served.server.fronts.of(None)
+        receive = front.receive
+        monkeypatch.setattr(front, "receive", fail)
         async with client(served.url) as speaker:
             await speaker.send(op="boom")
             assert await closing(speaker) == (1011, "internal error")

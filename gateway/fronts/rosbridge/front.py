@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Final, cast
 
+from gateway.access.credentials import SUBPROTOCOL
 from gateway.access.permissions import UNLIMITED, Identity
 from gateway.core.errors import StatusCode
 from gateway.core.router import Router
@@ -22,6 +23,8 @@ from gateway.transport.front import ClientSession
 
 class RosbridgeFront:
     """Reads what clients of rosbridge send, and has the core carry it out."""
+
+    subprotocols: Final = (SUBPROTOCOL,)
 
     def __init__(self, core: Router) -> None:
         self.core = core

@@ -17,6 +17,7 @@ from gateway.access.web_rules import WebRules
 from gateway.config.access import AccessConfig
 from gateway.transport.admission import Admission, RoomFor, everybody
 from gateway.transport.connection import Connection
+from gateway.transport.front import Fronts
 from gateway.transport.server import Server
 from tests.fuzz import seeds
 from tests.fuzz.gateway_in_memory import LIMITS, World, run_in_a_loop, turns
@@ -95,7 +96,7 @@ def run(data: bytes) -> None:
     async def talk(world: World) -> None:
         server = Server(
             world.router,
-            world.front,
+            Fronts(world.front),
             limits=LIMITS,
             web_rules=WebRules(["localhost"]),
             trusted_proxies=["127.0.0.0/8"],
