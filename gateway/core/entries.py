@@ -51,6 +51,9 @@ class PacedSocket(Protocol):
 
     write: Callable[[bytes], object]
 
+    def look(self) -> None:
+        """Ask the link how many bytes may be written now."""
+
 
 WriteDirectly = Callable[[Entry], int]
 """Write an entry to the socket. Return its bytes, 0 if it is not ready or the socket is busy."""

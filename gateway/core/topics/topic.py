@@ -5,6 +5,8 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import count as numbers
+from itertools import repeat
 from typing import Final
 
 from gateway.codec.errors import CodecError
@@ -18,7 +20,7 @@ from gateway.core.topics.encoding import (
     SharedFrame,
     make_encoding,
 )
-from gateway.core.topics.fan_out import write_directly
+from gateway.core.topics.fan_out import Batch, write_directly
 from gateway.core.topics.large_samples import EncodedTopic, EncodingResources
 from gateway.core.topics.late_join import LateJoin
 from gateway.core.topics.sample_faults import SampleFaults
@@ -153,32 +155,41 @@ class Topic:
         first_seq = self._seq + 1
         self._seq += count
         self._received.append((now_ns, self._seq))
-        more = count > 1
         has_waiting = False  # otherwise all have it already, and nobody is to be woken
-        size = 0
         for encoding in self._encodings.values():
-            size = 0
-            for seq, sample in enumerate(samples, first_seq):
-                shared = SharedFrame(encoding, sample, seq)
-                size += shared.size
-                everyone = encoding.subscriptions
-                # several go by the queues, where newer ones take the place of older ones
-                others = everyone if more else write_directly(shared, everyone)
-                for subscription in others:
-                    if subscription.shares_frames and not subscription.session.reads_ascii_only:
-                        has_waiting |= subscription.offer(
-                            shared, now_ns, more=more, publisher=sample.publisher
-                        )
-                    elif self._passes(subscription, seq, sample):
-                        has_waiting |= self._offer_own(
-                            shared, subscription, sample.publisher, now_ns, more=more
-                        )
-        self._counts.receive(count, size)
+            frames = list(map(SharedFrame, repeat(encoding), samples, numbers(first_seq)))
+            together = frames[0] if count == 1 else Batch(frames)
+            others = write_directly(together, encoding.subscriptions, count)
+            if others:
+                has_waiting |= self._offer(frames, samples, others, now_ns)
+        self._counts.receive(count, sum(map(len, [sample.cdr for sample in samples])))
         if now_ns >= self._timed_ns:
             self._timed_ns = now_ns + TIMING_PERIOD_NS
             self._time(samples[0].received_ns)
         if has_waiting:
             self._wake_all()
+
+    def _offer(
+        self,
+        frames: Sequence[SharedFrame],
+        samples: Sequence[Sample],
+        subscriptions: Sequence[Subscription],
+        now_ns: int,
+    ) -> bool:
+        """Offer one sample after the other to all. Return whether a client has to be woken."""
+        more = len(frames) > 1
+        has_waiting = False
+        for shared, sample in zip(frames, samples, strict=True):
+            for subscription in subscriptions:
+                if subscription.shares_frames and not subscription.session.reads_ascii_only:
+                    has_waiting |= subscription.offer(
+                        shared, now_ns, more=more, publisher=sample.publisher
+                    )
+                elif self._passes(subscription, shared.seq, sample):
+                    has_waiting |= self._offer_own(
+                        shared, subscription, sample.publisher, now_ns, more=more
+                    )
+        return has_waiting
 
     def _note_lost(self, lost: int) -> None:
         """Count samples that never came, and leave out their numbers."""

@@ -11,7 +11,7 @@ from gateway.core.entries import NOT_READY, NOTHING, Frame
 from gateway.core.names import TopicName
 from gateway.core.requests import Subscribe
 from gateway.core.topic_counts import TopicCounts
-from gateway.core.topics.fan_out import write_directly
+from gateway.core.topics.fan_out import Batch, write_directly
 from gateway.core.topics.subscription import Subscription
 from gateway.core.topics.subscription_options import SubscriptionOptions
 from gateway.fronts.rosbridge.session import RosbridgeSession
@@ -42,6 +42,7 @@ class Client:
     def __init__(self, **options: Any) -> None:
         self.written: list[bytes] = []
         self.room_bytes = 10 * len(FRAME)
+        self.room_after_look = 0
         self.session = RosbridgeSession(Limits(), lambda: None)
         self.session.outbox.connect(lambda _: 0, self)
         request = Subscribe(topic="/t", **options)
@@ -52,6 +53,9 @@ class Client:
 
     def write(self, frame: bytes) -> None:
         self.written.append(frame)
+
+    def look(self) -> None:
+        self.room_bytes = max(self.room_bytes, self.room_after_look)
 
 
 def fan_out(entry: Entry, clients: list[Client]) -> list[Client]:
@@ -139,6 +143,51 @@ def test_a_socket_that_a_write_fills_has_no_room_left():
     assert fan_out(Entry(), [client]) == []
     assert fan_out(Entry(), [client]) == [client]
     assert client.written == [FRAME]
+
+
+def test_a_socket_with_too_little_room_is_written_if_the_link_has_drained_meanwhile():
+    client = Client()
+    too_little_left(client)
+    client.room_after_look = len(FRAME)
+    assert fan_out(Entry(), [client]) == []
+    assert client.room_bytes == 0
+
+
+def fan_out_batch(entries: list[Entry], clients: list[Client]) -> list[Client]:
+    subscriptions = [client.subscription for client in clients]
+    others = write_directly(Batch(entries), subscriptions, len(entries))
+    return [client for client in clients if client.subscription in others]
+
+
+def test_the_samples_of_a_turn_are_one_write_for_each_client():
+    clients = [Client(), Client(queue_length=3)]
+    assert fan_out_batch([Entry(b"a"), Entry(b"b"), Entry(b"c")], clients) == []
+    sent = Delivery(offered=3, sent=3, sent_bytes=3)
+    for client in clients:
+        assert client.written == [b"abc"]
+        assert client.subscription.delivery == sent
+
+
+def test_of_more_samples_in_a_turn_than_a_queue_keeps_none_are_written_at_once():
+    clients = [Client(queue_length=2), Client()]
+    entries = [Entry() for _ in range(3)]
+    assert fan_out_batch(entries, clients) == [clients[0]]
+    assert len(clients[1].written) == 1
+
+
+@pytest.mark.parametrize("frame", [NOT_READY, NOTHING])
+def test_samples_of_a_turn_of_which_one_has_no_frame_are_left_to_others(frame: Frame):
+    clients = [Client(), Client()]
+    assert fan_out_batch([Entry(), Entry(frame)], clients) == clients
+    assert clients[0].written == clients[1].written == []
+
+
+@pytest.mark.parametrize(("more", "is_encoded"), [(0, True), (1, False)])
+def test_more_than_64_kib_of_samples_in_a_turn_are_not_encoded_at_once(more: int, is_encoded: bool):
+    entries = [Entry(), Entry()]
+    entries[0].size = 64 * 1024 - 1 + more
+    fan_out_batch(entries, [Client()])
+    assert [entry.asked for entry in entries] == [is_encoded, is_encoded]
 
 
 def test_options_that_change_later_count_from_then_on():

@@ -328,6 +328,9 @@ class Socket:
     def write(self, frame: bytes) -> None:
         self.written.append(frame)
 
+    def look(self) -> None:
+        raise AssertionError
+
 
 async def test_of_samples_that_come_together_a_client_gets_what_its_queue_keeps(topic: Topic):
     socket = Socket()
@@ -338,6 +341,18 @@ async def test_of_samples_that_come_together_a_client_gets_what_its_queue_keeps(
     assert (socket.written, received(one)) == ([], ["c"])
     topic._on_samples([sample("d")])
     assert (len(socket.written), one.delivery.sent) == (1, 2)
+
+
+async def test_samples_that_come_together_are_one_write_and_in_order(topic: Topic):
+    sockets = [Socket() for _ in range(2)]
+    for socket in sockets:
+        one = subscription()
+        one.session.outbox.connect(lambda _: 0, socket)
+        topic.add(one, PLAIN)
+    topic._on_samples([sample("a"), sample("b"), sample("c")])
+    assert [[frame["msg"]["data"] for frame in unpacked(*each.written)] for each in sockets] == [
+        ["a", "b", "c"]
+    ] * 2
 
 
 async def test_a_throttled_subscription_gets_the_newest_at_the_end_and_counts_the_others(
