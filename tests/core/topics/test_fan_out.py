@@ -145,7 +145,7 @@ def test_a_socket_that_a_write_fills_has_no_room_left():
     assert client.written == [FRAME]
 
 
-def test_a_socket_with_too_little_room_is_written_if_the_link_has_drained_meanwhile():
+def test_a_socket_with_too_little_room_is_written_if_its_link_has_drained():
     client = Client()
     too_little_left(client)
     client.room_after_look = len(FRAME)
