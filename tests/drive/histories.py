@@ -117,7 +117,7 @@ class Stage:
     def shutdown(self) -> None:
         self.take(self.drive.shut_down(self.now))
 
-    # What must have come out
+    # Looks at what came out
 
     def look(self) -> list[Velocity]:
         sent = [each.velocity for each in self.out if isinstance(each, Send)]
