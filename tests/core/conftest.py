@@ -18,6 +18,7 @@ from gateway.core.router import Router
 from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.sources.guard import Guard
+from gateway.sources.source import Qos
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
@@ -57,6 +58,10 @@ class Socketless:
             self.wires += batch
             self.frames += unpacked(b"".join(batch))  # a large frame comes in pieces
         self.is_flushing = False
+
+    def resume(self) -> None:
+        self.is_paused = False
+        self.flush()
 
     def send(self, **operation: Any) -> None:
         self.send_raw(json.dumps(operation).encode())
@@ -101,6 +106,28 @@ class Bench:
         level: Level | None = "warning",
     ) -> Socketless:
         return Socketless(self.front, address, identity, level)
+
+    def sender(self, **operation: Any) -> Socketless:
+        """Return a client that begins with an operation."""
+        client = self.client()
+        client.send(**operation)
+        return client
+
+    def listener(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos = Qos(),
+        **options: Any,
+    ) -> Socketless:
+        """Return a client that has subscribed to a topic which a node publishes."""
+        self.ros.add_publisher(topic, type_name, qos)
+        return self.sender(op="subscribe", topic=topic, **options)
+
+    def say(self, topic: str, *texts: str) -> None:
+        """Let a node publish strings."""
+        for text in texts:
+            self.ros.publish(topic, self.cdr("std_msgs/msg/String", data=text))
 
     def cdr(self, type_name: str, **values: Any) -> bytes:
         message_type = self.types.get(type_name)

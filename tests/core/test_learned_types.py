@@ -98,8 +98,7 @@ async def test_a_node_is_asked_as_soon_as_its_topic_appears(bench: Bench):
     }
     node.respond()
     await eventually(lambda: LAMP in bench.types.definitions.told)
-    client = bench.client()
-    client.send(op="describe", id=1, type=LAMP)
+    client = bench.sender(op="describe", id=1, type=LAMP)
     assert client.frames[-1]["definition"] == "# lit\nbool on\nuint8 RED=1\n"
     await changes(bench)
     await node.is_asked()  # no more
@@ -108,8 +107,7 @@ async def test_a_node_is_asked_as_soon_as_its_topic_appears(bench: Bench):
 async def test_a_subscription_waits_for_the_definition(bench: Bench):
     node = Node(bench)
     publisher = node.publish("/lamp", LAMP)
-    client = bench.client()
-    client.send(op="set_level", level="info")
+    client = bench.sender(op="set_level", level="info")
     client.send(op="subscribe", topic="/lamp")
     text = f"topic /lamp: the definition of {LAMP} is being asked for, waiting for it"
     assert client.of("status")[-1]["msg"] == text
@@ -130,8 +128,7 @@ async def test_a_node_that_has_yet_to_introduce_itself_is_waited_for(bench: Benc
     node = Node(bench)
     node.publish("/lamp", LAMP).close()
     nameless = bench.ros.add_publisher("/lamp", LAMP, node="")
-    client = bench.client()
-    client.send(op="subscribe", topic="/lamp")
+    client = bench.sender(op="subscribe", topic="/lamp")
     await changes(bench)
     assert (client.frames, node.requests) == ([], [])
     nameless.close()
@@ -146,8 +143,7 @@ async def test_a_waiting_client_hears_once_why_the_definition_is_missing(bench: 
     monkeypatch.setattr(node_definitions, "PAUSE_S", 0.5)
     node = Node(bench)
     node.publish("/lamp", LAMP)
-    client = bench.client()
-    client.send(op="subscribe", topic="/lamp")
+    client = bench.sender(op="subscribe", topic="/lamp")
     await node.is_asked()
     node.respond(REFUSAL)
     await client.sees(1, "status")
@@ -170,8 +166,7 @@ async def test_a_node_that_said_no_is_left_alone_for_a_while(bench: Bench):
     for _ in range(3):
         await changes(bench)
     await node.is_asked()
-    client = bench.client()
-    client.send(op="subscribe", topic="/lamp")
+    client = bench.sender(op="subscribe", topic="/lamp")
     assert client.statuses == [("bad_type", f"{NO_LAMP}says: not mine{REMEDY}")]
 
 
@@ -180,8 +175,7 @@ async def test_a_node_may_offer_the_service_later(bench: Bench, monkeypatch):
     node = Node(bench, has_service=False)
     node.publish("/lamp", LAMP)
     await changes(bench)
-    client = bench.client()
-    client.send(op="describe", id=1, type=LAMP)
+    client = bench.sender(op="describe", id=1, type=LAMP)
     assert client.statuses[-1][1] == f"{NO_LAMP}does not offer get_type_description{REMEDY}"
     node.serve()
     await node.is_asked()
@@ -214,8 +208,7 @@ async def test_a_node_that_has_not_answered_yet_is_named_so(bench: Bench):
     node = Node(bench)
     node.publish("/lamp", LAMP)
     await node.is_asked()
-    client = bench.client()
-    client.send(op="describe", id=1, type=LAMP)
+    client = bench.sender(op="describe", id=1, type=LAMP)
     assert client.statuses[-1][1] == f"{NOT_KNOWN}it is being asked for{REMEDY}"
 
 
@@ -353,8 +346,7 @@ async def test_a_node_that_said_no_is_asked_again_after_30_s(bench: Bench, monke
     await clock.advance(0)
     node.respond({"successful": False, "failure_reason": "x" * 10_000})
     await clock.advance(0)
-    client = bench.client()
-    client.send(op="subscribe", topic="/lamp")
+    client = bench.sender(op="subscribe", topic="/lamp")
     assert client.statuses[0][1].count("x") == 200  # of its words
     for _ in range(29):
         bench.router._learned.on_graph_change()
@@ -387,8 +379,7 @@ async def test_a_definition_that_a_source_carries_is_followed_once(bench: Bench,
     monkeypatch.setattr(bench.ros, "definitions", definitions)
     node = Node(bench)
     publisher = node.publish("/lamp", LAMP)
-    client = bench.client()
-    client.send(op="subscribe", topic="/lamp")
+    client = bench.sender(op="subscribe", topic="/lamp")
     await eventually(lambda: len(bench.ros.subscriptions) == 1)
     publisher.publish(bench.cdr(LAMP, on=True))
     await client.sees(1)

@@ -136,8 +136,7 @@ async def test_without_a_guard_nobody_drives(lacking: Bench) -> None:
 
 
 async def test_a_source_with_a_guard_is_driven(bench: Bench) -> None:
-    client = bench.client()
-    client.send(op="publish", topic="/cmd_vel", type=TWIST, msg={})
+    client = bench.sender(op="publish", topic="/cmd_vel", type=TWIST, msg={})
     assert client.of("status") == []
     assert isinstance(bench.ros.guard, FakeGuard)
     assert bench.ros.guard.verbs == ["open"]

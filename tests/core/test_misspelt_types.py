@@ -47,22 +47,19 @@ def assert_meant(client, meant):
     ids=lambda operation: operation["op"],
 )
 async def test_a_message_type(bench: Bench, operation, requested, meant):
-    client = bench.client()
-    client.send(**operation, type=requested)
+    client = bench.sender(**operation, type=requested)
     assert_meant(client, meant)
 
 
 @pytest.mark.parametrize(("requested", "meant"), SERVICES)
 async def test_the_type_of_a_service_that_a_client_provides(bench: Bench, requested, meant):
-    client = bench.client()
-    client.send(op="advertise_service", service="/s", type=requested)
+    client = bench.sender(op="advertise_service", service="/s", type=requested)
     assert_meant(client, meant)
 
 
 @pytest.mark.parametrize(("requested", "meant"), ACTIONS)
 async def test_the_type_of_an_action_that_a_client_provides(bench: Bench, requested, meant):
-    client = bench.client()
-    client.send(op="advertise_action", action="/a", type=requested)
+    client = bench.sender(op="advertise_action", action="/a", type=requested)
     assert_meant(client, meant)
 
 
@@ -77,8 +74,7 @@ async def test_the_type_of_an_action_that_a_client_provides(bench: Bench, reques
     ],
 )
 async def test_a_service_or_an_action_to_describe(bench: Bench, requested, meant):
-    client = bench.client()
-    client.send(op="describe", type=requested)
+    client = bench.sender(op="describe", type=requested)
     assert_meant(client, meant)
 
 

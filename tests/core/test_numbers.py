@@ -97,8 +97,7 @@ async def test_the_newest_request_that_names_a_form_decides(bench: Bench):
 
 
 async def test_an_unknown_form_is_refused(bench: Bench):
-    client = bench.client()
-    client.send(op="subscribe", topic="/scan", nonfinite="nan")
+    client = bench.sender(op="subscribe", topic="/scan", nonfinite="nan")
     assert client.statuses[0][0] == "bad_request"
     assert client.statuses[0][1].startswith("nonfinite: expected 'null', 'string' or 'token'")
 

@@ -11,8 +11,7 @@ from tests.sources.fake_services import FakeService
 
 
 async def test_hello_says_who_answers(bench: Bench):
-    client = bench.client()
-    client.send(op="hello", id=1)
+    client = bench.sender(op="hello", id=1)
     (hello,) = client.frames
     assert (hello["server"], hello["version"], hello["id"]) == ("ros2-json-gateway", "test", 1)
     assert hello["ros_distro"] == "jazzy"
@@ -20,8 +19,7 @@ async def test_hello_says_who_answers(bench: Bench):
 
 
 async def test_ping_returns_the_value_and_both_clocks(bench: Bench):
-    client = bench.client()
-    client.send(op="ping", value={"t": [1.5, None]})
+    client = bench.sender(op="ping", value={"t": [1.5, None]})
     (pong,) = client.frames
     assert pong["value"] == {"t": [1.5, None]}
     assert pong["ros_time"] == {"sec": 1_700_000_000, "nanosec": 0}
@@ -29,8 +27,7 @@ async def test_ping_returns_the_value_and_both_clocks(bench: Bench):
 
 
 async def test_describe_has_schema_definition_number_and_hash(bench: Bench):
-    client = bench.client()
-    client.send(op="describe", type="geometry_msgs/Twist")
+    client = bench.sender(op="describe", type="geometry_msgs/Twist")
     (described,) = client.frames
     assert described["type"] == "geometry_msgs/msg/Twist"
     assert described["number"] == 1
@@ -40,22 +37,19 @@ async def test_describe_has_schema_definition_number_and_hash(bench: Bench):
 
 
 async def test_describe_of_a_type_outside_the_table_has_no_number(bench: Bench):
-    client = bench.client()
-    client.send(op="describe", type="test_msgs/msg/Nested")
+    client = bench.sender(op="describe", type="test_msgs/msg/Nested")
     assert client.frames[0]["number"] is None
 
 
 async def test_describe_of_an_unknown_type_suggests_one(bench: Bench):
-    client = bench.client()
-    client.send(op="describe", type="geometry_msgs/msg/Twits")
+    client = bench.sender(op="describe", type="geometry_msgs/msg/Twits")
     assert client.statuses[0][0] == "bad_type"
     assert "did you mean geometry_msgs/msg/Twist?" in client.statuses[0][1]
 
 
 async def test_the_graph_names_topics_with_types_and_nodes(bench: Bench):
     bench.ros.add_publisher("/odom", "nav_msgs/msg/Odometry", node="/robot")
-    client = bench.client()
-    client.send(op="graph", id="g")
+    client = bench.sender(op="graph", id="g")
     (graph,) = client.frames
     assert graph["id"] == "g"
     assert {
@@ -68,8 +62,7 @@ async def test_the_graph_names_topics_with_types_and_nodes(bench: Bench):
 
 
 async def test_a_watched_graph_sends_what_changed_and_nothing_else(bench: Bench):
-    client = bench.client()
-    client.send(op="graph", id="g", watch=True)
+    client = bench.sender(op="graph", id="g", watch=True)
     publisher = bench.ros.add_publisher("/odom", "nav_msgs/msg/Odometry", node="/robot")
     frames = await client.sees(2, "graph")
     assert [topic["name"] for topic in frames[1]["changes"]["topics"]] == ["/odom"]
@@ -99,15 +92,12 @@ async def test_a_refusal_of_ros_comes_back_truncated(bench: Bench, monkeypatch):
         raise RosError("internal", "x" * 1000)
 
     monkeypatch.setattr(bench.ros, "subscribe", refuse)
-    client = bench.client()
-    client.send(op="subscribe", topic="/odom", type="nav_msgs/Odometry")
+    client = bench.sender(op="subscribe", topic="/odom", type="nav_msgs/Odometry")
     assert client.statuses == [("internal", "x" * 125 + "...")]
 
 
 async def test_the_graph_knows_the_rate_of_received_topics(bench: Bench):
-    bench.ros.add_publisher("/chatter", "std_msgs/msg/String")
-    client = bench.client()
-    client.send(op="subscribe", topic="/chatter")
+    client = bench.listener("/chatter", "std_msgs/msg/String")
     for count in range(1, 4):
         bench.ros.publish("/chatter", bench.cdr("std_msgs/msg/String"))
         await client.sees(count)
@@ -149,8 +139,7 @@ async def test_an_unknown_operation_gets_a_status_and_the_next_one_works(bench: 
 
 
 async def test_a_refusal_carries_the_id_whatever_else_is_wrong(bench: Bench):
-    client = bench.client()
-    client.send(op="subscribe", id="mine", topic=5)
+    client = bench.sender(op="subscribe", id="mine", topic=5)
     client.send(op="nonsense", id=17)
     client.send(op=5, id="other")
     assert [frame["id"] for frame in client.frames] == ["mine", 17, "other"]
@@ -176,8 +165,7 @@ async def test_old_clients_extras_are_ignored(bench: Bench):
 
 
 async def test_set_level_decides_which_statuses_come(bench: Bench):
-    client = bench.client()
-    client.send(op="set_level", level="none")
+    client = bench.sender(op="set_level", level="none")
     client.send(op="nonsense")
     client.send(op="set_level", level="info")
     client.send(op="subscribe", id="s", topic="/t", type="std_msgs/String")
@@ -253,8 +241,7 @@ async def test_a_client_that_leaves_takes_everything_along(bench: Bench):
 
 @pytest.mark.parametrize("request_id", ['"\n', "ü" * 256, -(2**53)])
 async def test_an_id_comes_back_as_it_was(bench: Bench, request_id):
-    client = bench.client()
-    client.send(op="subscribe", topic='/"', id=request_id)
+    client = bench.sender(op="subscribe", topic='/"', id=request_id)
     client.send(op="nonsense", id=request_id)
     assert [frame["id"] for frame in client.frames] == [request_id] * 2
 
@@ -273,15 +260,13 @@ async def test_an_id_comes_back_as_it_was(bench: Bench, request_id):
     ids=lambda operation: f"{operation['op'][:9]}-{list(operation)[-1]}",
 )
 async def test_a_clients_own_words_come_back_short(bench: Bench, operation):
-    client = bench.client()
-    client.send(**operation)
+    client = bench.sender(**operation)
     assert all(len(wire) < 1000 for wire in client.wires)
     assert client.wires
 
 
 async def test_a_failure_to_close_keeps_nothing_else_open(bench: Bench, monkeypatch):
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", type="std_msgs/String")
+    client = bench.sender(op="subscribe", topic="/t", type="std_msgs/String")
     client.send(op="advertise_service", service="/s", type="std_srvs/Trigger")
     client.send(op="advertise_action", action="/f", type="test_msgs/Fibonacci")
 

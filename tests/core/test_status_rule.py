@@ -120,8 +120,7 @@ async def happen(bench: Bench, client: Socketless) -> None:
     await bench.settle()
     bench.ros.arrive(publisher, Sample(b"\x00\x01\x00\x00\xff", 0))
     publisher.close()
-    other = bench.client()
-    other.send(op="advertise_service", service="/own", type=SET_BOOL)
+    other = bench.sender(op="advertise_service", service="/own", type=SET_BOOL)
     other.send(op="advertise_action", action="/own", type=FIBONACCI)
     await bench.settle()
 

@@ -38,8 +38,7 @@ async def test_a_client_spends_the_time_that_its_task_works_but_not_waits(bench:
 async def test_a_task_that_is_cancelled_ends(bench: Bench):
     list_parameters = "rcl_interfaces/srv/ListParameters"
     bench.ros.add_service("/n/list_parameters", list_parameters, lambda request: None, node="/n")
-    client = bench.client()
-    client.send(op="list_parameters", id=1, node="/n")
+    client = bench.sender(op="list_parameters", id=1, node="/n")
     await bench.settle()
     assert bench.router.counts()["calls"] == 1
     bench.router.leave(client.session)
@@ -54,8 +53,7 @@ async def test_a_fault_of_the_machine_is_answered_without_its_paths(
         raise OSError(errno.EMFILE, "Too many open files", "/etc/secret")
 
     monkeypatch.setattr(bench.router._subscriptions, "subscribe", none_left)
-    client = bench.client()
-    client.send(op="subscribe", id="s", topic="/t")
+    client = bench.sender(op="subscribe", id="s", topic="/t")
     assert client.statuses == [("internal", "the gateway's machine: too many open files")]
     assert "Traceback" not in caplog.text
     assert "secret" not in caplog.text

@@ -48,8 +48,7 @@ async def test_events_come_until_they_are_not_wanted_any_more(bench: Bench):
 
 
 async def test_an_event_for_many_clients_comes_once_to_a_watcher(bench: Bench):
-    watcher = bench.client()
-    watcher.send(op="events")
+    watcher = bench.sender(op="events")
     for depth in (1, 2):
         bench.client().send(op="subscribe", topic="/t", type=STRING, qos={"depth": depth})
     for subscription in bench.ros.subscriptions:
@@ -70,8 +69,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
 async def test_an_event_that_happens_again_after_a_second_is_sent_again(
     bench: Bench, clock: SimpleNamespace
 ):
-    watcher = bench.client()
-    watcher.send(op="events")
+    watcher = bench.sender(op="events")
     for depth in (1, 2):
         bench.client().send(op="subscribe", topic="/t", type=STRING, qos={"depth": depth})
     first, second = bench.ros.subscriptions

@@ -34,8 +34,7 @@ class Person:
 
 
 def provider(bench: Bench) -> Socketless:
-    client = bench.client()
-    client.send(op="advertise_action", action="fib", type="test_msgs/Fibonacci")
+    client = bench.sender(op="advertise_action", action="fib", type="test_msgs/Fibonacci")
     assert not client.statuses
     return client
 
@@ -225,8 +224,7 @@ async def test_an_action_that_a_node_provides_gets_a_warning_and_is_provided(ben
     bench.ros.add_action_server(
         "/fib", FIBONACCI, lambda goal: None, lambda goal: None, node="/robot"
     )
-    client = bench.client()
-    client.send(op="advertise_action", action="fib", type=FIBONACCI)
+    client = bench.sender(op="advertise_action", action="fib", type=FIBONACCI)
     ((code, text),) = client.statuses
     assert code == "already_provided"
     assert text.startswith("action /fib is also provided by /robot, ")

@@ -61,8 +61,7 @@ async def test_a_goal_brings_feedback_and_a_result(bench: Bench) -> None:
 
 async def test_feedback_comes_only_where_it_is_wanted(bench: Bench) -> None:
     fib = Fib(bench)
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", action="/fib", args=[3])
+    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3])
     goal = await fib.gets()
     fib.feedback(goal, 0, 1)
     fib.finish(goal, ABORTED)
@@ -73,30 +72,26 @@ async def test_feedback_comes_only_where_it_is_wanted(bench: Bench) -> None:
 
 async def test_a_client_that_reads_slowly_gets_the_newest_feedback(bench: Bench) -> None:
     fib = Fib(bench)
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", action="/fib", args=[3], feedback=True)
+    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3], feedback=True)
     goal = await fib.gets()
     client.is_paused = True
     for number in range(100):
         fib.feedback(goal, number)
     await bench.settle()
-    client.is_paused = False
-    client.flush()
+    client.resume()
     last = [frame["values"]["sequence"] for frame in client.of("action_feedback")]
     assert last == [[number] for number in range(84, 100)]
 
 
 async def test_of_long_feedback_256_kib_wait_for_a_client(bench: Bench) -> None:
     fib = Fib(bench)
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", action="/fib", args=[3], feedback=True)
+    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3], feedback=True)
     goal = await fib.gets()
     client.is_paused = True
     for number in range(8):
         fib.feedback(goal, *[number] * 21_000)  # 82 KiB
     await bench.settle()
-    client.is_paused = False
-    client.flush()
+    client.resume()
     firsts = [frame["values"]["sequence"][0] for frame in client.of("action_feedback")]
     assert firsts == [5, 6, 7]
 
@@ -122,8 +117,7 @@ async def test_a_goal_that_is_cancelled_at_once_is_cancelled_when_it_is_accepted
     bench: Bench,
 ) -> None:
     fib = Fib(bench)
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", action="/fib", args=[3])
+    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3])
     client.send(op="cancel_action_goal", id="g", action="/fib")
     await eventually(lambda: bool(fib.cancels))
     assert not client.frames
@@ -131,8 +125,7 @@ async def test_a_goal_that_is_cancelled_at_once_is_cancelled_when_it_is_accepted
 
 async def test_a_rejected_goal_is_answered(bench: Bench) -> None:
     Fib(bench, accepts=lambda goal: False)
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", action="/fib", args=[3])
+    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3])
     (result,) = await client.sees(1, "action_result")
     assert (result["id"], result["status"], result["result"]) == ("g", 0, False)
     assert "rejected" in result["values"]
@@ -140,8 +133,7 @@ async def test_a_rejected_goal_is_answered(bench: Bench) -> None:
 
 async def test_a_goal_whose_server_dies_is_answered(bench: Bench) -> None:
     fib = Fib(bench)
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", action="/fib", args=[3])
+    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3])
     await fib.gets()
     fib.server.close()
     (result,) = await client.sees(1, "action_result")
@@ -166,8 +158,7 @@ async def test_a_goal_that_cannot_be_sent_is_answered_with_the_reason(
     bench: Bench, goal: dict[str, Any], words: str
 ) -> None:
     Fib(bench)
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", **goal)
+    client = bench.sender(op="send_action_goal", id="g", **goal)
     (result,) = await client.sees(1, "action_result")
     assert (result["id"], result["action"]) == ("g", goal["action"])
     assert (result["status"], result["result"]) == (0, False)
@@ -187,15 +178,13 @@ async def test_goals_of_one_client_have_different_ids_and_a_limit(bench: Bench) 
 
 async def test_cancelling_an_unknown_goal_is_refused(bench: Bench) -> None:
     Fib(bench)
-    client = bench.client()
-    client.send(op="cancel_action_goal", id="g", action="/fib")
+    client = bench.sender(op="cancel_action_goal", id="g", action="/fib")
     assert client.statuses == [("not_found", "no goal of /fib with id 'g' is under way")]
 
 
 async def test_a_client_that_leaves_cancels_its_goals(bench: Bench) -> None:
     fib = Fib(bench)
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", action="/fib", args=[3])
+    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3])
     await fib.gets()
     await bench.settle()
     client.send(op="send_action_goal", id="h", action="/fib", args=[3])
@@ -210,8 +199,7 @@ async def test_a_goal_that_is_accepted_after_its_client_has_left_is_cancelled(
     bench: Bench,
 ) -> None:
     fib = Fib(bench)
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", action="/fib", args=[3])
+    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3])
     await fib.gets()  # it is sent, but the answer is not back
     bench.router.leave(client.session)
     await eventually(lambda: fib.cancels == fib.goals)
@@ -220,8 +208,7 @@ async def test_a_goal_that_is_accepted_after_its_client_has_left_is_cancelled(
 
 async def test_a_client_that_leaves_keeps_the_goals_that_it_said_to(bench: Bench) -> None:
     fib = Fib(bench)
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", action="/fib", args=[3], keep=True)
+    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3], keep=True)
     await fib.gets()
     await bench.settle()
     bench.router.leave(client.session)
@@ -233,8 +220,7 @@ async def test_a_client_that_leaves_keeps_the_goals_that_it_said_to(bench: Bench
 
 async def test_feedback_that_waits_comes_before_the_result_and_is_not_lost(bench: Bench) -> None:
     fib = Fib(bench)
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", action="/fib", args=[3], feedback=True)
+    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3], feedback=True)
     goal = await fib.gets()
     await bench.settle()
     client.is_paused = True
@@ -242,8 +228,7 @@ async def test_feedback_that_waits_comes_before_the_result_and_is_not_lost(bench
         fib.feedback(goal, number)
     fib.finish(goal, SUCCEEDED, 9)
     await eventually(lambda: bench.router.counts()["goals"] == 0)
-    client.is_paused = False
-    client.flush()
+    client.resume()
     ops = [frame["op"] for frame in client.frames]
     assert ops == ["action_feedback"] * 3 + ["action_result"]
 
@@ -284,8 +269,7 @@ async def test_a_server_that_does_not_answer_a_goal_is_waited_for_a_while(
     clock = StoppedClock(monkeypatch)
     fib = Fib(bench)
     fib.server.arrive = lambda goal: None
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", action="/fib", args=[3])
+    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3])
     await bench.settle()
     await clock.advance(4.99)
     assert not client.of("action_result")
@@ -297,8 +281,7 @@ async def test_a_server_that_does_not_answer_a_goal_is_waited_for_a_while(
 
 async def test_a_goal_is_not_cancelled_by_the_name_of_another_action(bench: Bench) -> None:
     fib = Fib(bench)
-    client = bench.client()
-    client.send(op="send_action_goal", id="g", action="/fib", args=[3])
+    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3])
     await fib.gets()
     await bench.settle()
     client.send(op="cancel_action_goal", id="g", action="/fob")

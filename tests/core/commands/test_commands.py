@@ -59,8 +59,7 @@ async def test_control_that_was_asked_for_delays_neither_the_deadline_nor_the_ze
     scene: Scene, clock: StoppedClock
 ):
     heard = scene.listen()
-    client = scene.client()
-    client.send(op="acquire_control")
+    client = scene.sender(op="acquire_control")
     push(client)
     await clock.advance(0.49)
     assert speeds(heard) == [0.2]
@@ -174,8 +173,7 @@ def push_failing(client: Socketless) -> None:
 
 
 async def test_a_driver_hears_of_a_robot_that_no_command_reaches(scene: Scene):
-    client = scene.client()
-    client.send(op="advertise", topic="/cmd_vel", type=TWIST)
+    client = scene.sender(op="advertise", topic="/cmd_vel", type=TWIST)
     latched = Qos("reliable", "transient_local")
     scene.ros.add_subscription("/cmd_vel", TWIST, lambda _: None, latched)
     await eventually(lambda: bool(client.statuses))
@@ -206,8 +204,7 @@ async def test_a_robot_may_join_while_its_topic_is_opened(scene: Scene, monkeypa
 
 
 async def test_the_guard_hears_of_a_command_before_it_goes_out(scene: Scene):
-    client = scene.client()
-    client.send(op="advertise", topic="/cmd_vel", type=TWIST)
+    client = scene.sender(op="advertise", topic="/cmd_vel", type=TWIST)
     (publisher,) = scene.ros.publishers
     publisher.publish = lambda cdr: scene.guard.told.append(("publish", cdr))  # type: ignore[method-assign]
     push(client)
@@ -243,8 +240,7 @@ async def test_the_guard_prepares_for_a_robot_before_a_client_drives_it(scene: S
     scene.listen()
     await eventually(lambda: bool(scene.guard.told))
     assert scene.guard.told == [("open", "/cmd_vel", TWIST, 1)]
-    client = scene.client()
-    client.send(op="control")
+    client = scene.sender(op="control")
     assert client.of("control")[0]["guard"] == "ready"
     push(client)
     assert scene.guard.verbs.count("open") == 1
@@ -282,8 +278,7 @@ async def test_of_the_commands_that_come_together_the_newest_goes_out(scene: Sce
 
 async def test_the_publisher_is_reliable_and_keeps_one_command_for_a_moment(scene: Scene):
     scene.listen()
-    client = scene.client()
-    client.send(op="advertise", topic="/cmd_vel", type=TWIST, latch=True, queue_size=50)
+    client = scene.sender(op="advertise", topic="/cmd_vel", type=TWIST, latch=True, queue_size=50)
     (publisher,) = [each for each in scene.ros.publishers if each.topic == "/cmd_vel"]
     assert publisher.qos.reliability == COMMAND_QOS.reliability == "reliable"
     assert publisher.qos.durability == "volatile"
@@ -339,8 +334,7 @@ async def test_a_turn_beyond_the_limit_is_clamped_and_the_client_told(
 ):
     scene = build(max_angular_rad_s=0.25)
     heard = scene.listen()
-    client = scene.client()
-    client.send(op="publish", topic="/cmd_vel", msg={"angular": {"z": 7}})
+    client = scene.sender(op="publish", topic="/cmd_vel", msg={"angular": {"z": 7}})
     await clock.advance(0.01)
     assert [each["angular"]["z"] for each in heard] == [0.25]
     (status,) = client.statuses
@@ -398,8 +392,7 @@ async def test_a_robot_stops_before_anything_else_of_its_driver_is_closed(
 
     monkeypatch.setattr(FakeService, "close", note)
     scene.listen()
-    client = scene.client()
-    client.send(op="advertise_service", service="/s", type="std_srvs/srv/Trigger")
+    client = scene.sender(op="advertise_service", service="/s", type="std_srvs/srv/Trigger")
     push(client)
     await scene.settle()
     assert scene.ros.published == 1
@@ -409,8 +402,7 @@ async def test_a_robot_stops_before_anything_else_of_its_driver_is_closed(
 
 async def test_a_client_that_stops_what_stands_and_leaves_leaves_nothing_open(scene: Scene):
     heard = scene.listen()
-    client = scene.client()
-    client.send(op="advertise", topic="/cmd_vel", type=TWIST)
+    client = scene.sender(op="advertise", topic="/cmd_vel", type=TWIST)
     client.send(op="stop", topic="/cmd_vel")
     scene.router.leave(client.session)  # while its zeros are still to be sent
     assert scene.router.counts()["publishers"] == 1
@@ -464,8 +456,7 @@ async def test_any_client_may_stop_every_robot(scene: Scene):
 async def test_a_stop_without_a_driver_is_published_if_the_robot_is_known(build: Build):
     scene = build(topics=("/cmd_vel", "/arm"))
     heard = scene.listen()
-    client = scene.client()
-    client.send(op="stop")
+    client = scene.sender(op="stop")
     assert client.of("stop")[0]["topics"] == ["/cmd_vel"]
     await eventually(lambda: speeds(heard) == [0.0] * 5)
     client.send(op="stop", topic="/odom")
@@ -559,8 +550,7 @@ async def test_a_watcher_gets_one_notice_of_what_changes_within_50_ms(
 
 async def test_the_only_command_topic_need_not_be_named_but_one_of_several(build: Build):
     scene = build(topics=("/a", "/b"))
-    client = scene.client()
-    client.send(op="control")
+    client = scene.sender(op="control")
     assert client.statuses == [("bad_request", "topic: name one of /a, /b")]
 
 
@@ -581,8 +571,7 @@ async def test_a_stamped_command_is_stamped_by_the_gateway_and_so_is_its_zero(sc
 
 
 async def test_other_types_and_other_than_the_robots_are_refused(scene: Scene):
-    client = scene.client()
-    client.send(op="advertise", topic="/cmd_vel", type="std_msgs/msg/String")
+    client = scene.sender(op="advertise", topic="/cmd_vel", type="std_msgs/msg/String")
     assert client.statuses[-1][0] == "type_conflict"
     assert "control.topics" in client.statuses[-1][1]
     push(client)
@@ -611,8 +600,7 @@ async def test_the_first_command_is_an_advertisement_with_its_id(scene: Scene):
 
 async def test_unadvertising_stops_as_asked(scene: Scene):
     heard = scene.listen()
-    client = scene.client()
-    client.send(op="advertise", topic="/cmd_vel", type=TWIST, id="a")
+    client = scene.sender(op="advertise", topic="/cmd_vel", type=TWIST, id="a")
     push(client)
     await eventually(lambda: len(heard) == 1)
     client.send(op="unadvertise", topic="/cmd_vel", id="b")
@@ -791,8 +779,7 @@ async def test_a_page_that_shows_the_commands_does_not_stop_the_robot(scene: Sce
 async def test_a_command_waits_until_the_guard_has_proved_that_its_zeros_arrive(scene: Scene):
     heard = scene.listen()
     scene.guard.is_ready = False
-    client = scene.client()
-    client.send(op="advertise", topic="/cmd_vel", type=TWIST)
+    client = scene.sender(op="advertise", topic="/cmd_vel", type=TWIST)
     scene.guard.report("prepared")
     assert "prove" not in scene.guard.verbs
     client.send(op="control")

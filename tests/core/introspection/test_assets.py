@@ -36,15 +36,13 @@ def fifo(share):
 
 
 async def fetched(bench: Bench, **members) -> dict:
-    client = bench.client()
-    client.send(op="fetch_asset", id="a", **members)
+    client = bench.sender(op="fetch_asset", id="a", **members)
     (answer,) = await client.sees(1, "fetch_asset")
     return answer
 
 
 async def refused(bench: Bench, **members) -> tuple[str, str]:
-    client = bench.client()
-    client.send(op="fetch_asset", id="a", **members)
+    client = bench.sender(op="fetch_asset", id="a", **members)
     ((identifier, code, text),) = [
         (f["id"], f["code"], f["msg"]) for f in await client.sees(1, "status")
     ]

@@ -32,8 +32,7 @@ async def test_the_files_are_those_that_the_command_writes(bench: Bench, tmp_pat
 
 @pytest.mark.parametrize("language", ["typescript", "python", "json-schema"])
 async def test_other_languages_are_written_too(bench: Bench, language):
-    client = bench.client()
-    client.send(op="generate", language=language, types=[LIMIT])
+    client = bench.sender(op="generate", language=language, types=[LIMIT])
     (answer,) = await client.sees(1, "generate")
     assert any("speed_limit" in text for text in answer["files"].values())
 
@@ -47,8 +46,7 @@ async def test_other_languages_are_written_too(bench: Bench, language):
     ],
 )
 async def test_code_that_cannot_be_written_is_refused_with_the_reason(bench: Bench, types, text):
-    client = bench.client()
-    client.send(op="generate", language="csharp", types=types)
+    client = bench.sender(op="generate", language="csharp", types=types)
     ((code, said),) = [(f["code"], f["msg"]) for f in await client.sees(1, "status")]
     assert code == "bad_type"
     assert text in said
@@ -68,16 +66,14 @@ async def test_code_that_cannot_be_written_is_refused_with_the_reason(bench: Ben
     ],
 )
 async def test_a_request_beyond_its_bounds_is_refused(bench: Bench, members):
-    client = bench.client()
-    client.send(**{"op": "generate", "language": "csharp"} | members)
+    client = bench.sender(**{"op": "generate", "language": "csharp"} | members)
     assert [code for code, _ in client.statuses] == ["bad_request"]
 
 
 async def test_more_code_than_a_client_reads_is_refused(bench: Bench, monkeypatch):
     code = "x" * 4 * 1024**2
     monkeypatch.setattr(client_code, "_written", lambda *_: ({"Limit.cs": code}, []))
-    client = bench.client()
-    client.send(op="generate", language="csharp", types=[LIMIT])
+    client = bench.sender(op="generate", language="csharp", types=[LIMIT])
     await eventually(lambda: len(client.frames) == 1)
     assert client.frames[0].get("files") == {"Limit.cs": code}
     code += "x"

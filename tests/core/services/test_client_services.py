@@ -35,8 +35,7 @@ class Caller:
 
 
 def provider(bench: Bench) -> Socketless:
-    client = bench.client()
-    client.send(op="advertise_service", service="arm", type="std_srvs/SetBool")
+    client = bench.sender(op="advertise_service", service="arm", type="std_srvs/SetBool")
     assert not client.statuses
     return client
 
@@ -207,8 +206,7 @@ async def test_the_newest_provider_wins_and_the_former_is_told(bench: Bench) -> 
 async def test_a_service_that_cannot_be_provided_is_refused(
     bench: Bench, operation: dict[str, Any], code: str
 ) -> None:
-    client = bench.client()
-    client.send(op="advertise_service", id=1, **operation)
+    client = bench.sender(op="advertise_service", id=1, **operation)
     assert (client.of("status")[0]["code"], client.of("status")[0]["id"]) == (code, 1)
 
 
@@ -290,8 +288,7 @@ async def test_a_caller_that_cannot_be_answered_any_more_harms_nobody(
 
 
 async def test_a_provider_is_asked_in_ascii_for_ros_sharp_reads_no_other(bench: Bench) -> None:
-    client = bench.client()
-    client.send(op="advertise_service", service="/map", type="nav_msgs/LoadMap")
+    client = bench.sender(op="advertise_service", service="/map", type="nav_msgs/LoadMap")
     calling = bench.ros.add_client("/map", "nav_msgs/srv/LoadMap")
     request = bench.cdr("nav_msgs/srv/LoadMap_Request", map_url="grüße")
     waiting = asyncio.ensure_future(calling.call(request))
@@ -302,8 +299,7 @@ async def test_a_provider_is_asked_in_ascii_for_ros_sharp_reads_no_other(bench: 
 
 
 async def test_services_of_the_gateway_cannot_be_provided(bench: Bench) -> None:
-    client = bench.client()
-    client.send(op="advertise_service", service="/rosapi/topics", type="std_srvs/Empty")
+    client = bench.sender(op="advertise_service", service="/rosapi/topics", type="std_srvs/Empty")
     assert client.statuses == [
         (
             "bad_name",
@@ -315,8 +311,7 @@ async def test_services_of_the_gateway_cannot_be_provided(bench: Bench) -> None:
 
 async def test_a_service_that_a_node_provides_gets_a_warning_and_is_provided(bench: Bench) -> None:
     bench.ros.add_service("/arm", SET_BOOL, lambda request: None, node="/robot")
-    client = bench.client()
-    client.send(op="advertise_service", id=1, service="arm", type=SET_BOOL)
+    client = bench.sender(op="advertise_service", id=1, service="arm", type=SET_BOOL)
     (warning,) = client.frames
     assert (warning["level"], warning["code"], warning["id"]) == ("warning", "already_provided", 1)
     assert warning["msg"].startswith("service /arm is also provided by /robot, ")

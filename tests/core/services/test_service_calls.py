@@ -36,8 +36,7 @@ class Arm:
 
 async def test_a_response_comes_with_the_id_and_the_form_of_the_call(bench: Bench) -> None:
     Arm(bench)
-    client = bench.client()
-    client.send(op="call_service", id="c1", service="arm", args={"data": True})
+    client = bench.sender(op="call_service", id="c1", service="arm", args={"data": True})
     (frame,) = await client.sees(1, "service_response")
     assert frame == {
         "op": "service_response",
@@ -56,8 +55,7 @@ async def test_arguments_may_come_in_order_or_not_at_all(
     bench: Bench, arguments: dict[str, Any], message: str
 ) -> None:
     Arm(bench)
-    client = bench.client()
-    client.send(op="call_service", service="/arm", **arguments)
+    client = bench.sender(op="call_service", service="/arm", **arguments)
     (frame,) = await client.sees(1, "service_response")
     assert frame["values"]["message"] == message
     assert "id" not in frame
@@ -66,8 +64,7 @@ async def test_arguments_may_come_in_order_or_not_at_all(
 @pytest.mark.parametrize("form", ["std_srvs/SetBool", "std_srvs/srv/SetBool", "", None])
 async def test_the_type_may_be_said(bench: Bench, form: str | None) -> None:
     Arm(bench)
-    client = bench.client()
-    client.send(op="call_service", service="/arm", type=form)
+    client = bench.sender(op="call_service", service="/arm", type=form)
     (frame,) = await client.sees(1, "service_response")
     assert frame["result"] is True
     assert client.statuses == []
@@ -79,8 +76,7 @@ async def test_the_type_may_be_said(bench: Bench, form: str | None) -> None:
 )
 async def test_a_service_of_another_type_is_not_called(bench: Bench, form: str) -> None:
     arm = Arm(bench, at_once=False)
-    client = bench.client()
-    client.send(op="call_service", id="c1", service="/arm", type=form, args=[True])
+    client = bench.sender(op="call_service", id="c1", service="/arm", type=form, args=[True])
     (refused,) = await client.sees(1, "service_response")
     assert (refused["id"], refused["result"]) == ("c1", False)
     assert "type" in refused["values"]
@@ -92,8 +88,7 @@ async def test_a_service_of_another_type_is_not_called(bench: Bench, form: str) 
 
 @pytest.mark.parametrize("form", ["rosapi/ActionServers", "rosapi_msgs/srv/GetActionServers"])
 async def test_rosapi_takes_any_type(bench: Bench, form: str) -> None:
-    client = bench.client()
-    client.send(op="call_service", service="/rosapi/action_servers", type=form)
+    client = bench.sender(op="call_service", service="/rosapi/action_servers", type=form)
     (answer,) = client.of("service_response")
     assert answer["values"] == {"action_servers": []}
 
@@ -120,8 +115,7 @@ async def test_a_call_that_fails_is_answered_with_the_reason(
 ) -> None:
     Arm(bench)
     bench.ros.add_service("/strange", "none_msgs/srv/Strange", lambda request: None)
-    client = bench.client()
-    client.send(op="call_service", id="c1", **call)
+    client = bench.sender(op="call_service", id="c1", **call)
     (frame,) = await client.sees(1, "service_response")
     assert (frame["id"], frame["service"]) == ("c1", call["service"])
     assert frame["result"] is False
@@ -129,8 +123,7 @@ async def test_a_call_that_fails_is_answered_with_the_reason(
 
 
 async def test_a_call_without_a_service_is_answered_as_every_call(bench: Bench) -> None:
-    client = bench.client()
-    client.send(op="call_service", id="c1")
+    client = bench.sender(op="call_service", id="c1")
     (answer,) = client.of("service_response")
     assert (answer["id"], answer["service"], answer["result"]) == ("c1", "", False)
     assert answer["values"].startswith("service: missing")
@@ -138,8 +131,7 @@ async def test_a_call_without_a_service_is_answered_as_every_call(bench: Bench) 
 
 async def test_a_call_that_nobody_answers_times_out(bench: Bench) -> None:
     Arm(bench, at_once=False)
-    client = bench.client()
-    client.send(op="call_service", id="c1", service="/arm", timeout=0.05)
+    client = bench.sender(op="call_service", id="c1", service="/arm", timeout=0.05)
     (frame,) = await client.sees(1, "service_response")
     assert frame["result"] is False
     assert "has not answered within 0.05 s" in frame["values"]
@@ -147,8 +139,7 @@ async def test_a_call_that_nobody_answers_times_out(bench: Bench) -> None:
 
 async def test_a_call_whose_server_dies_is_answered(bench: Bench) -> None:
     arm = Arm(bench, at_once=False)
-    client = bench.client()
-    client.send(op="call_service", id="c1", service="/arm")
+    client = bench.sender(op="call_service", id="c1", service="/arm")
     await eventually(lambda: bool(arm.requests))
     arm.service.close()
     (frame,) = await client.sees(1, "service_response")
@@ -213,8 +204,7 @@ async def test_the_ros_client_lingers_for_the_next_call_and_then_goes(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     Arm(bench)
-    client = bench.client()
-    client.send(op="call_service", service="/arm")
+    client = bench.sender(op="call_service", service="/arm")
     await client.sees(1, "service_response")
     (ros_client,) = [each for each in bench.ros.clients if bench.ros.is_own(each.node)]
     monkeypatch.setattr("gateway.sources.client_cache.IDLE_S", 0.01)
@@ -227,8 +217,7 @@ async def test_the_ros_client_lingers_for_the_next_call_and_then_goes(
 async def test_operations_of_one_client_that_need_no_other_node_keep_their_order(
     bench: Bench,
 ) -> None:
-    client = bench.client()
-    client.send(op="advertise", topic="/here", type="std_msgs/String")
+    client = bench.sender(op="advertise", topic="/here", type="std_msgs/String")
     client.send(op="call_service", id="c1", service="/rosapi/topic_type", args={"topic": "/here"})
     client.send(op="unadvertise", topic="/here")
     client.send(op="ping")
@@ -239,8 +228,7 @@ async def test_operations_of_one_client_that_need_no_other_node_keep_their_order
 async def test_shutdown_leaves_no_task(bench: Bench) -> None:
     Arm(bench, at_once=False)
     before = asyncio.all_tasks()
-    client = bench.client()
-    client.send(op="call_service", service="/arm")
+    client = bench.sender(op="call_service", service="/arm")
     assert len(asyncio.all_tasks()) == len(before) + 1
     bench.router.leave(client.session)
     await eventually(lambda: asyncio.all_tasks() == before)
@@ -283,8 +271,7 @@ async def test_the_time_limit_counts_while_a_call_waits_for_its_turn(bench: Benc
 
 async def test_a_long_response_comes_in_the_pieces_that_were_asked_for(bench: Bench) -> None:
     Arm(bench)
-    client = bench.client()
-    client.send(op="call_service", id="c1", service="/arm", args=[True], fragment_size=64)
+    client = bench.sender(op="call_service", id="c1", service="/arm", args=[True], fragment_size=64)
     pieces = await client.sees(2, "fragment")
     whole = json.loads("".join(piece["data"] for piece in pieces))
     assert (whole["op"], whole["id"], whole["result"]) == ("service_response", "c1", True)
@@ -299,8 +286,7 @@ async def test_a_fault_of_ours_is_answered_and_logged(
         raise ZeroDivisionError
 
     monkeypatch.setattr("gateway.core.service_clients.ServiceClients.call", fail)
-    client = bench.client()
-    client.send(op="call_service", id="c1", service="/arm")
+    client = bench.sender(op="call_service", id="c1", service="/arm")
     (frame,) = await client.sees(1, "service_response")
     assert (frame["id"], frame["result"]) == ("c1", False)
     assert "fault of the gateway" in frame["values"]

@@ -32,9 +32,7 @@ def text_in(picture: str) -> str:
 
 
 async def received(bench: Bench, cdr: bytes, type_name: str, **options):
-    bench.ros.add_publisher("/t", type_name)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", **options)
+    client = bench.listener("/t", type_name, **options)
     bench.ros.publish("/t", cdr)
     (frame,) = await client.sees(1)
     return frame, client
@@ -89,10 +87,8 @@ async def test_an_image_as_cbor_raw_is_a_plain_message(bench: Bench):
 
 
 async def test_png_hides_a_publish_frame_in_ascii(bench: Bench):
-    bench.ros.add_publisher("/t", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", compression="png", meta=True)
-    bench.ros.publish("/t", bench.cdr(STRING, data="größe"))
+    client = bench.listener("/t", STRING, compression="png", meta=True)
+    bench.say("/t", "größe")
     (frame,) = await client.sees(1, "png")
     text = text_in(frame["data"])
     assert text.isascii()
@@ -101,9 +97,7 @@ async def test_png_hides_a_publish_frame_in_ascii(bench: Bench):
 
 
 async def test_png_holds_pictures_as_json_does(bench: Bench):
-    bench.ros.add_publisher("/t", IMAGE)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", compression="png")
+    client = bench.listener("/t", IMAGE, compression="png")
     bench.ros.publish("/t", bench.cdr(IMAGE, **PIXELS))
     (frame,) = await client.sees(1, "png")
     assert json.loads(text_in(frame["data"]))["msg"]["format"] == "jpeg"
@@ -135,10 +129,8 @@ async def test_no_fields_say_that_samples_come_and_decode_nothing(
 
 
 async def test_no_fields_are_possible_as_png_too(bench: Bench):
-    bench.ros.add_publisher("/t", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", compression="png", fields=[], meta=True)
-    bench.ros.publish("/t", bench.cdr(STRING, data="hello"))
+    client = bench.listener("/t", STRING, compression="png", fields=[], meta=True)
+    bench.say("/t", "hello")
     (frame,) = await client.sees(1, "png")
     assert json.loads(text_in(frame["data"])) == {"op": "publish", "topic": "/t", "msg": {}}
     assert frame["size"] == len(bench.cdr(STRING, data="hello"))
@@ -146,10 +138,9 @@ async def test_no_fields_are_possible_as_png_too(bench: Bench):
 
 async def test_no_fields_give_way_to_those_that_another_request_asks_for(bench: Bench):
     bench.ros.add_publisher("/t", STRING)
-    client = bench.client()
-    client.send(op="subscribe", id="a", topic="/t", fields=[])
+    client = bench.sender(op="subscribe", id="a", topic="/t", fields=[])
     client.send(op="subscribe", id="b", topic="/t", fields=["data"])
-    bench.ros.publish("/t", bench.cdr(STRING, data="hello"))
+    bench.say("/t", "hello")
     assert (await client.sees(1))[0]["msg"] == {"data": "hello"}
 
 
@@ -158,8 +149,7 @@ async def test_no_fields_give_way_to_those_that_another_request_asks_for(bench: 
 async def test_fields_of_cbor_raw_are_refused(bench: Bench, fields: list[str], knows_topic: bool):
     if knows_topic:
         bench.ros.add_publisher("/t", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", compression="cbor-raw", fields=fields)
+    client = bench.sender(op="subscribe", topic="/t", compression="cbor-raw", fields=fields)
     assert client.statuses == [
         ("bad_request", "fields: cbor-raw sends whole messages, use cbor to select fields")
     ]
@@ -172,7 +162,7 @@ async def test_clients_with_the_same_compression_share_bytes(bench: Bench):
     clients = [bench.client() for _ in compressions]
     for client, compression in zip(clients, compressions, strict=True):
         client.send(op="subscribe", topic="/t", compression=compression)
-    bench.ros.publish("/t", bench.cdr(STRING, data="x"))
+    bench.say("/t", "x")
     for client in clients:
         await client.sees(1)
     cbor, same_cbor, plain, same_plain, raw = (client.wires[-1] for client in clients)
@@ -192,7 +182,7 @@ async def test_a_sample_is_encoded_once_for_shared_and_per_client_frames(
     for client, meta in zip(clients, metas, strict=True):
         client.send(op="subscribe", topic="/t", compression=compression, meta=meta)
         client.is_paused = True
-    bench.ros.publish("/t", bench.cdr(STRING, data="x"))
+    bench.say("/t", "x")
     await bench.settle()
     (queue,) = clients[0].session.outbox._queues
     entry = queue.waiting[0]
@@ -208,8 +198,7 @@ async def test_a_sample_is_encoded_once_for_shared_and_per_client_frames(
     shared.encoding._encode = counting
     op = "png" if compression == "png" else "publish"
     for client in clients:
-        client.is_paused = False
-        client.flush()
+        client.resume()
         (seen,) = await client.sees(1, op)
         assert ("seq" in seen) == metas[clients.index(client)]
         # it holds only one of the three
@@ -223,8 +212,7 @@ async def test_a_subscription_gets_fragments_that_asked_and_the_others_do_not(be
     cut, whole = bench.client(), bench.client()
     cut.send(op="subscribe", topic="/t", fragment_size=100)
     whole.send(op="subscribe", topic="/t")
-    for text in ("short", "ü" * 150, "x" * 150):
-        bench.ros.publish("/t", bench.cdr(STRING, data=text))
+    bench.say("/t", "short", "ü" * 150, "x" * 150)
     await whole.sees(3)
     assert await cut.sees(1) == [{"op": "publish", "topic": "/t", "msg": {"data": "short"}}]
     pieces = await cut.sees(4, "fragment")
@@ -252,11 +240,9 @@ async def test_ros_sharp_gets_escapes_and_the_others_utf_8(bench: Bench):
 
 
 async def test_a_subscription_from_before_the_fingerprint_is_escaped_too(bench: Bench):
-    bench.ros.add_publisher("/t", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t")
+    client = bench.listener("/t", STRING)
     client.send(op="ping", fragment_size=ROS_SHARP)
-    bench.ros.publish("/t", bench.cdr(STRING, data="größe"))
+    bench.say("/t", "größe")
     await client.sees(1)
     (frame,) = websocket_frames(client.wires[-1])
     assert bytes(frame.data).isascii()
@@ -264,9 +250,7 @@ async def test_a_subscription_from_before_the_fingerprint_is_escaped_too(bench: 
 
 @pytest.mark.parametrize("compression", ["none", "png", "cbor"])
 async def test_a_sample_that_cannot_be_decoded_is_reported_once(bench: Bench, compression):
-    bench.ros.add_publisher("/t", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", compression=compression)
+    client = bench.listener("/t", STRING, compression=compression)
     for _ in range(3):
         bench.ros.publish("/t", b"\0\1\0\0\xff\0\0\0")
     await client.sees(1, "status")
@@ -276,12 +260,11 @@ async def test_a_sample_that_cannot_be_decoded_is_reported_once(bench: Bench, co
 
 async def test_a_fault_of_a_worker_is_logged_with_the_resolved_name(bench: Bench, caplog):
     bench.ros.add_publisher("/t", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="t", compression="png")
+    bench.sender(op="subscribe", topic="t", compression="png")
     (topic,) = bench.router._subscriptions._topics.values()
     (encoding,) = topic._encodings.values()
     encoding._encode = lambda cdr: bytes(1 // 0)
-    bench.ros.publish("/t", bench.cdr(STRING, data="x"))
+    bench.say("/t", "x")
     await eventually(lambda: bool(caplog.records))
     (record,) = caplog.records
     assert (record.getMessage(), record.topic) == ("encoding a sample failed", "/t")
@@ -371,9 +354,7 @@ async def test_a_map_is_plain_where_no_picture_is_asked_for(bench: Bench, option
     ],
 )
 async def test_a_map_as_a_picture_keeps_its_cells(bench: Bench, image: dict[str, Any]):
-    bench.ros.add_publisher("/t", GRID)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", image=image)
+    client = bench.listener("/t", GRID, image=image)
     text = 'image: a map comes as png with all of its cells: use only {"format":"png"}'
     assert client.statuses == [("bad_request", text)]
     assert bench.ros.entity_count() == 0

@@ -69,9 +69,7 @@ def grid(bench: Bench, cells: list[int] = CELLS) -> bytes:
 
 
 async def subscribed(bench: Bench, type_name: str = GRID, **options: Any) -> Socketless:
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", type=type_name, **options)
-    return client
+    return bench.sender(op="subscribe", topic="/t", type=type_name, **options)
 
 
 def encodings(bench: Bench) -> list[Any]:
@@ -112,7 +110,7 @@ async def test_others_have_their_turn_while_a_large_message_is_encoded(bench: Be
     other.send(op="subscribe", topic="/small", type=STRING)
     bench.ros.publish("/t", grid(bench))
     await begun(encoding)
-    bench.ros.publish("/small", bench.cdr(STRING, data="x"))
+    bench.say("/small", "x")
     await bench.settle()
     assert (len(other.messages), len(client.messages)) == (1, 0)
     await client.sees(1)
@@ -405,8 +403,7 @@ async def test_more_topics_than_may_be_encoded_at_once_have_their_turn(
     clients = []
     for number in range(3):
         bench.ros.add_publisher(f"/t{number}", GRID)
-        client = bench.client()
-        client.send(op="subscribe", topic=f"/t{number}", type=GRID)
+        client = bench.sender(op="subscribe", topic=f"/t{number}", type=GRID)
         clients.append(client)
     for number in range(3):
         bench.ros.publish(f"/t{number}", grid(bench))

@@ -24,8 +24,7 @@ def listen(bench: Bench, topic: str, type_name: str) -> list[dict]:
 
 async def test_a_published_message_reaches_ros_with_defaults_filled_in(bench: Bench):
     heard = listen(bench, "/cmd_vel", TWIST)
-    client = bench.client()
-    client.send(op="advertise", topic="/cmd_vel", type=TWIST)
+    client = bench.sender(op="advertise", topic="/cmd_vel", type=TWIST)
     client.send(op="publish", topic="/cmd_vel", msg={"linear": {"x": 0.25}})
     await eventually(lambda: len(heard) == 1)
     assert heard[0]["linear"] == {"x": 0.25, "y": 0, "z": 0}
@@ -34,16 +33,14 @@ async def test_a_published_message_reaches_ros_with_defaults_filled_in(bench: Be
 
 async def test_publishing_without_advertising_takes_the_type_given_or_known(bench: Bench):
     heard = listen(bench, "/known", STRING)
-    client = bench.client()
-    client.send(op="publish", topic="known", msg={"data": "by the graph"})
+    client = bench.sender(op="publish", topic="known", msg={"data": "by the graph"})
     client.send(op="publish", topic="/new", type=STRING, msg={"data": "by name"})
     await eventually(lambda: len(heard) == 1)
     assert {own.topic for own in bench.ros.publishers} == {"/known", "/new"}
 
 
 async def test_publishing_on_a_topic_without_type_is_refused(bench: Bench):
-    client = bench.client()
-    client.send(op="publish", id="p", topic="/new", msg={})
+    client = bench.sender(op="publish", id="p", topic="/new", msg={})
     assert client.of("status")[0]["id"] == "p"
     assert client.statuses[0][0] == "not_found"
     assert bench.ros.entity_count() == 0
@@ -64,8 +61,7 @@ async def test_a_message_that_does_not_fit_its_type_is_refused_with_its_path(
     bench: Bench, type_name, msg, words
 ):
     heard = listen(bench, "/t", type_name)
-    client = bench.client()
-    client.send(op="publish", topic="/t", type=type_name, msg=msg)
+    client = bench.sender(op="publish", topic="/t", type=type_name, msg=msg)
     ((code, text),) = client.statuses
     assert code == "invalid_value"
     assert words in text
@@ -75,8 +71,7 @@ async def test_a_message_that_does_not_fit_its_type_is_refused_with_its_path(
 
 async def test_a_type_that_contradicts_the_topic_is_refused(bench: Bench):
     bench.ros.add_publisher("/odom", STRING)
-    client = bench.client()
-    client.send(op="advertise", topic="/odom", type=TWIST)
+    client = bench.sender(op="advertise", topic="/odom", type=TWIST)
     client.send(op="publish", topic="/odom", type=TWIST, msg={})
     client.send(op="advertise", topic="/mine", type=STRING)
     client.send(op="advertise", topic="/mine", type=TWIST)
@@ -85,8 +80,7 @@ async def test_a_type_that_contradicts_the_topic_is_refused(bench: Bench):
 
 
 async def test_a_publisher_stays_until_its_last_advertisement_is_taken_back(bench: Bench):
-    client = bench.client()
-    client.send(op="advertise", id="a", topic="/t", type=STRING)
+    client = bench.sender(op="advertise", id="a", topic="/t", type=STRING)
     client.send(op="advertise", id="b", topic="/t", type=STRING)
     assert bench.ros.entity_count() == 1
     client.send(op="unadvertise", id="a", topic="/t")
@@ -98,8 +92,7 @@ async def test_a_publisher_stays_until_its_last_advertisement_is_taken_back(benc
 
 
 async def test_publishers_go_with_their_client(bench: Bench):
-    client = bench.client()
-    client.send(op="advertise", topic="/a", type=STRING)
+    client = bench.sender(op="advertise", topic="/a", type=STRING)
     client.send(op="publish", topic="/b", type=STRING, msg={"data": ""})
     assert bench.ros.entity_count() == 2
     bench.router.leave(client.session)
@@ -118,8 +111,7 @@ async def test_publishers_go_with_their_client(bench: Bench):
     ],
 )
 async def test_latch_queue_size_and_qos_shape_the_publisher(bench: Bench, extra, durability, depth):
-    client = bench.client()
-    client.send(op="advertise", topic="/t", type=STRING, **extra)
+    client = bench.sender(op="advertise", topic="/t", type=STRING, **extra)
     client.send(op="publish", topic="/u", type=STRING, msg={}, **extra)
     for publisher in bench.ros.publishers:
         assert (publisher.qos.durability, publisher.qos.depth) == (durability, depth)
@@ -135,8 +127,7 @@ async def test_options_of_a_publisher_are_also_validated_in_publish(bench: Bench
 
 
 async def test_the_publish_that_opens_a_publisher_is_an_advertisement_with_its_id(bench: Bench):
-    client = bench.client()
-    client.send(op="publish", id="first", topic="/t", type=STRING, msg={})
+    client = bench.sender(op="publish", id="first", topic="/t", type=STRING, msg={})
     client.send(op="publish", id="second", topic="/t", msg={})
     client.send(op="unadvertise", id="second", topic="/t")
     assert client.statuses == [("not_found", "not advertised: /t with id 'second'")]
@@ -164,8 +155,7 @@ async def test_advertisements_are_limited_per_client(bench: Bench):
 )
 async def test_a_stamp_is_relayed_as_it_is(bench: Bench, stamp, relayed):
     heard = listen(bench, "/t", "std_msgs/msg/Header")
-    client = bench.client()
-    client.send(op="publish", topic="/t", msg={"stamp": stamp, "frame_id": "a"})
+    client = bench.sender(op="publish", topic="/t", msg={"stamp": stamp, "frame_id": "a"})
     await eventually(lambda: len(heard) == 1)
     assert heard[0]["stamp"] == relayed
     assert client.frames == []
@@ -174,7 +164,6 @@ async def test_a_stamp_is_relayed_as_it_is(bench: Bench, stamp, relayed):
 @pytest.mark.parametrize("stamp", [{"stamp": "now"}, {"stamp": {}}, {}])
 async def test_now_is_the_time_of_ros(bench: Bench, stamp):
     heard = listen(bench, "/t", "std_msgs/msg/Header")
-    client = bench.client()
-    client.send(op="publish", topic="/t", msg={**stamp, "frame_id": "a", "seq": 5})
+    bench.sender(op="publish", topic="/t", msg={**stamp, "frame_id": "a", "seq": 5})
     await eventually(lambda: len(heard) == 1)
     assert heard[0]["stamp"]["sec"] == 1_700_000_000

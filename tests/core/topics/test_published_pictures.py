@@ -46,9 +46,7 @@ def listen(bench: Bench, topic: str = TOPIC) -> list[dict[str, Any]]:
 
 
 def advertising(bench: Bench, topic: str = TOPIC) -> Socketless:
-    client = bench.client()
-    client.send(op="advertise", topic=topic, type=IMAGE, image={"format": "png"})
-    return client
+    return bench.sender(op="advertise", topic=topic, type=IMAGE, image={"format": "png"})
 
 
 def publish(client: Socketless, msg: object, topic: str = TOPIC, **more: object) -> None:
@@ -161,8 +159,7 @@ async def test_an_invalid_picture_is_refused_with_the_reason(bench: Bench, msg, 
 
 
 async def test_only_images_are_made_of_pictures(bench: Bench):
-    client = bench.client()
-    client.send(op="advertise", topic="/cmd_vel", type=TWIST, image={"format": "jpeg"})
+    client = bench.sender(op="advertise", topic="/cmd_vel", type=TWIST, image={"format": "jpeg"})
     assert client.statuses == [
         ("bad_request", f"image: {TWIST} is not an image type, use {IMAGE} or {GRID}")
     ]

@@ -185,8 +185,7 @@ async def test_a_request_for_pictures_without_effect_gets_a_warning(bench: Bench
 async def test_a_request_with_its_effect_gets_no_warning(bench: Bench, topic: str, image: Any):
     for name, type_name in (("/camera", IMAGE), ("/map", GRID), ("/odom", ODOMETRY)):
         bench.ros.add_publisher(name, type_name)
-    client = bench.client()
-    client.send(op="subscribe", topic=topic, image=image)
+    client = bench.sender(op="subscribe", topic=topic, image=image)
     assert client.statuses == []
 
 

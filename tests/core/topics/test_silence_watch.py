@@ -59,8 +59,7 @@ def hear(bench: Bench, text: str = "x") -> None:
 
 async def test_a_client_that_asks_hears_of_silence_once_and_of_its_end(bench: Bench, clock: Clock):
     bench.ros.add_publisher("/t", STRING)
-    client = bench.client()
-    client.send(op="subscribe", id="s", topic="/t", stale_after_ms=1000)
+    client = bench.sender(op="subscribe", id="s", topic="/t", stale_after_ms=1000)
     hear(bench)
     await ticks(bench)
     clock.now_ns += SECOND - 1
@@ -88,9 +87,7 @@ async def test_a_client_that_asks_hears_of_silence_once_and_of_its_end(bench: Be
 async def test_a_client_that_does_not_ask_hears_nothing_and_costs_no_tick(
     bench: Bench, clock: Clock
 ):
-    bench.ros.add_publisher("/t", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t")
+    client = bench.listener("/t", STRING)
     hear(bench)
     clock.now_ns += 3600 * SECOND
     await ticks(bench)
@@ -101,8 +98,7 @@ async def test_a_client_that_does_not_ask_hears_nothing_and_costs_no_tick(
 async def test_a_topic_that_nobody_publishes_is_silent_since_the_subscription(
     bench: Bench, clock: Clock
 ):
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", stale_after_ms=1000)
+    client = bench.sender(op="subscribe", topic="/t", stale_after_ms=1000)
     clock.now_ns += SECOND
     await ticks(bench)
     assert codes(client) == ["stale"]
@@ -115,8 +111,7 @@ async def test_a_topic_that_nobody_publishes_is_silent_since_the_subscription(
 
 async def test_another_type_on_the_topic_is_heard_as_well(bench: Bench, clock: Clock):
     first = bench.ros.add_publisher("/t", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", stale_after_ms=1000)
+    client = bench.sender(op="subscribe", topic="/t", stale_after_ms=1000)
     hear(bench)
     await ticks(bench)
     bench.ros.remove_publisher(first)
@@ -130,9 +125,7 @@ async def test_another_type_on_the_topic_is_heard_as_well(bench: Bench, clock: C
 
 
 async def test_samples_that_came_while_the_loop_stood_still_count_first(bench: Bench, clock: Clock):
-    bench.ros.add_publisher("/t", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", stale_after_ms=1000)
+    client = bench.listener("/t", STRING, stale_after_ms=1000)
     hear(bench)
     await ticks(bench)
     subscriptions = bench.router._subscriptions
@@ -147,8 +140,7 @@ async def test_samples_that_came_while_the_loop_stood_still_count_first(bench: B
 async def test_a_client_that_wants_no_status_gets_the_one_that_it_asked_for(
     bench: Bench, clock: Clock
 ):
-    client = bench.client()
-    client.send(op="set_level", level="none")
+    client = bench.sender(op="set_level", level="none")
     client.send(op="subscribe", topic="/t", type=STRING, stale_after_ms=1000)
     clock.now_ns += SECOND
     await ticks(bench)
@@ -182,16 +174,14 @@ async def test_nothing_ticks_once_the_last_one_has_gone(bench: Bench, clock: Clo
 
 @pytest.mark.parametrize("silence", [0, 99, -1, "1000", 3_600_001])
 async def test_a_silence_out_of_range_is_refused(bench: Bench, silence: object):
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", type=STRING, stale_after_ms=silence)
+    client = bench.sender(op="subscribe", topic="/t", type=STRING, stale_after_ms=silence)
     ((code, text),) = client.statuses
     assert code == "bad_request"
     assert "stale_after_ms" in text
 
 
 async def test_each_reason_of_a_publisher_that_does_not_match_has_its_code(bench: Bench):
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", type=STRING, qos={"reliability": "reliable"})
+    client = bench.sender(op="subscribe", topic="/t", type=STRING, qos={"reliability": "reliable"})
     bench.ros.add_publisher("/t", STRING, Qos(reliability="best_effort"))
     await client.sees(1, "status")
     bench.ros.add_publisher("/t", INT32)
@@ -202,8 +192,7 @@ async def test_each_reason_of_a_publisher_that_does_not_match_has_its_code(bench
 async def test_a_report_comes_within_100_ms(bench: Bench, clock: Clock, monkeypatch):
     monkeypatch.setattr(silence_watch, "TICK_S", TICK_S)
     loop_clock = StoppedClock(monkeypatch)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", type=STRING, stale_after_ms=200)
+    client = bench.sender(op="subscribe", topic="/t", type=STRING, stale_after_ms=200)
     looks = 0
     heard_ns = bench.router._subscriptions._silence_watch._heard_ns
 

@@ -16,10 +16,8 @@ LATCHED = Qos(durability="transient_local", depth=1)
 
 
 async def test_a_sample_reaches_a_subscriber_as_a_publish_frame(bench: Bench):
-    bench.ros.add_publisher("/chatter", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/chatter")
-    bench.ros.publish("/chatter", bench.cdr(STRING, data="hello"))
+    client = bench.listener("/chatter", STRING)
+    bench.say("/chatter", "hello")
     assert await client.sees(1) == [
         {"op": "publish", "topic": "/chatter", "msg": {"data": "hello"}}
     ]
@@ -38,8 +36,7 @@ async def test_a_topic_comes_back_as_the_client_spelt_it(bench: Bench):
 
 @pytest.mark.parametrize("form", [9, "9", "nav_msgs/Odometry", "nav_msgs/msg/Odometry"])
 async def test_a_type_may_be_a_number_or_a_name_in_both_forms(bench: Bench, form):
-    client = bench.client()
-    client.send(op="subscribe", topic="/odom", type=form)
+    client = bench.sender(op="subscribe", topic="/odom", type=form)
     assert [subscription.type_name for subscription in bench.ros.subscriptions] == [ODOMETRY]
     assert client.statuses == []
 
@@ -66,10 +63,9 @@ async def test_another_qos_is_another_ros_subscription(bench: Bench):
 
 async def test_subscribing_twice_makes_one_stream_not_two(bench: Bench):
     bench.ros.add_publisher("/chatter", STRING)
-    client = bench.client()
-    client.send(op="subscribe", id="a", topic="/chatter")
+    client = bench.sender(op="subscribe", id="a", topic="/chatter")
     client.send(op="subscribe", id="b", topic="/chatter")
-    bench.ros.publish("/chatter", bench.cdr(STRING, data="once"))
+    bench.say("/chatter", "once")
     await client.sees(1)
     await bench.settle()
     assert client.messages == [{"data": "once"}]
@@ -77,8 +73,7 @@ async def test_subscribing_twice_makes_one_stream_not_two(bench: Bench):
 
 async def test_unsubscribing_by_id_leaves_the_other_subscription(bench: Bench):
     bench.ros.add_publisher("/odom", ODOMETRY)
-    client = bench.client()
-    client.send(op="subscribe", id="all", topic="/odom")
+    client = bench.sender(op="subscribe", id="all", topic="/odom")
     client.send(op="subscribe", id="part", topic="/odom", fields=["child_frame_id"])
     client.send(op="unsubscribe", id="all", topic="/odom")
     bench.ros.publish("/odom", bench.cdr(ODOMETRY, child_frame_id="base"))
@@ -86,8 +81,7 @@ async def test_unsubscribing_by_id_leaves_the_other_subscription(bench: Bench):
 
 
 async def test_unsubscribing_what_is_not_subscribed_says_so(bench: Bench):
-    client = bench.client()
-    client.send(op="unsubscribe", topic="/chatter")
+    client = bench.sender(op="unsubscribe", topic="/chatter")
     client.send(op="subscribe", id="a", topic="/chatter", type=STRING)
     client.send(op="unsubscribe", id="b", topic="/chatter")
     assert client.statuses == [
@@ -99,21 +93,19 @@ async def test_unsubscribing_what_is_not_subscribed_says_so(bench: Bench):
 
 async def test_a_topic_that_nobody_knows_is_waited_for_with_a_word(bench: Bench):
     bench.ros.add_publisher("/odometry", ODOMETRY)
-    client = bench.client()
-    client.send(op="subscribe", topic="/odometri")
+    client = bench.sender(op="subscribe", topic="/odometri")
     assert client.statuses == [
         ("not_found", "topic /odometri is not known yet, waiting for it; did you mean /odometry?")
     ]
     bench.ros.add_publisher("/odometri", STRING)
     await eventually(lambda: bench.ros.entity_count() == 1)
-    bench.ros.publish("/odometri", bench.cdr(STRING, data="at last"))
+    bench.say("/odometri", "at last")
     assert (await client.sees(1))[0]["msg"] == {"data": "at last"}
 
 
 async def test_a_topic_that_returns_with_another_type_is_followed(bench: Bench):
     first = bench.ros.add_publisher("/thing", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/thing")
+    client = bench.sender(op="subscribe", topic="/thing")
     await bench.settle()
     bench.ros.remove_publisher(first)
     bench.ros.add_publisher("/thing", "std_msgs/msg/Int32")
@@ -126,8 +118,7 @@ async def test_a_topic_that_returns_with_another_type_is_followed(bench: Bench):
 
 async def test_a_type_that_contradicts_the_topic_is_refused(bench: Bench):
     bench.ros.add_publisher("/odom", ODOMETRY)
-    client = bench.client()
-    client.send(op="subscribe", id=1, topic="/odom", type=STRING)
+    client = bench.sender(op="subscribe", id=1, topic="/odom", type=STRING)
     assert client.statuses == [("type_conflict", f"topic /odom has type {ODOMETRY}, not {STRING}")]
     assert bench.ros.entity_count() == 0
 
@@ -139,8 +130,7 @@ async def test_a_topic_that_ros_refuses_is_not_counted(
         raise RosError("internal", "no memory")
 
     monkeypatch.setattr(bench.ros, "subscribe", refuse)
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", type=STRING)
+    client = bench.sender(op="subscribe", topic="/t", type=STRING)
     assert client.statuses == [("internal", "no memory")]
     assert "/t" not in [counted.topic for counted in bench.router.traffic().topics]
 
@@ -164,8 +154,7 @@ async def test_a_topic_that_ros_refuses_is_not_counted(
 async def test_a_subscription_that_cannot_be_is_refused_and_leaves_nothing(
     bench: Bench, options, code, words
 ):
-    client = bench.client()
-    client.send(**{"op": "subscribe", "id": "s", "topic": "/t", **options})
+    client = bench.sender(**{"op": "subscribe", "id": "s", "topic": "/t", **options})
     (answer,) = client.of("status")
     assert (answer["code"], answer["id"], answer["level"]) == (code, "s", "error")
     assert words in answer["msg"]
@@ -174,8 +163,7 @@ async def test_a_subscription_that_cannot_be_is_refused_and_leaves_nothing(
 
 async def test_a_refused_change_leaves_the_subscription_as_it_was(bench: Bench):
     bench.ros.add_publisher("/odom", ODOMETRY)
-    client = bench.client()
-    client.send(op="subscribe", id="a", topic="/odom", fields=["child_frame_id"])
+    client = bench.sender(op="subscribe", id="a", topic="/odom", fields=["child_frame_id"])
     client.send(op="subscribe", id="a", topic="/odom", fields=["nonsense"])
     bench.ros.publish("/odom", bench.cdr(ODOMETRY, child_frame_id="base"))
     await client.sees(1)
@@ -211,8 +199,7 @@ async def test_a_queue_is_no_longer_than_its_limit(bench: Bench):
 
 
 async def test_a_depth_larger_than_dds_keeps_is_accepted(bench: Bench):
-    client = bench.client()
-    client.send(op="subscribe", topic="/t", type=STRING, qos={"depth": 5000})
+    client = bench.sender(op="subscribe", topic="/t", type=STRING, qos={"depth": 5000})
     client.send(op="advertise", topic="/u", type=STRING, qos={"depth": 5000})
     client.send(op="advertise", topic="/v", type=STRING, queue_size=5000)
     assert client.statuses == []
@@ -220,8 +207,7 @@ async def test_a_depth_larger_than_dds_keeps_is_accepted(bench: Bench):
 
 
 async def test_names_in_a_subscription_come_back_truncated(bench: Bench):
-    client = bench.client()
-    client.send(op="subscribe", topic="/a", type=STRING, compression="x" * 200)
+    client = bench.sender(op="subscribe", topic="/a", type=STRING, compression="x" * 200)
     client.send(op="subscribe", topic="/b", type=STRING, fields=["x" * 200])
     assert client.statuses == [
         ("bad_request", f"compression: '{'x' * 125}...' is not available, sending plain JSON"),
@@ -230,22 +216,18 @@ async def test_names_in_a_subscription_come_back_truncated(bench: Bench):
 
 
 async def test_meta_numbers_samples_and_counts_what_was_dropped(bench: Bench):
-    bench.ros.add_publisher("/chatter", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/chatter", meta=True, queue_length=2)
+    client = bench.listener("/chatter", STRING, meta=True, queue_length=2)
     client.is_paused = True
-    for number in range(5):
-        bench.ros.publish("/chatter", bench.cdr(STRING, data=str(number)))
+    bench.say("/chatter", *map(str, range(5)))
     await bench.settle()
-    client.is_paused = False
-    client.flush()
+    client.resume()
     assert [(frame["seq"], frame["dropped"]) for frame in client.of("publish")] == [(4, 3), (5, 3)]
     assert client.frames[0]["received"] == {"sec": 1_700_000_000, "nanosec": 0}
 
 
 async def test_a_late_client_gets_what_a_transient_local_topic_keeps(bench: Bench):
     bench.ros.add_publisher("/map", STRING, LATCHED)
-    bench.ros.publish("/map", bench.cdr(STRING, data="walls"))
+    bench.say("/map", "walls")
     early, late = bench.client(), bench.client()
     early.send(op="subscribe", topic="/map")
     await early.sees(1)
@@ -268,9 +250,7 @@ async def test_an_offer_that_does_not_match_is_told_to_everyone_concerned(bench:
 
 
 async def test_a_broken_sample_is_reported_once_and_harms_nothing(bench: Bench):
-    bench.ros.add_publisher("/chatter", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/chatter")
+    client = bench.listener("/chatter", STRING)
     for cdr in (b"\0\1\0\0\xff\xff\xff\xff", b"\0\1\0\0\xff\xff\xff\xff", bench.cdr(STRING)):
         bench.ros.publish("/chatter", cdr)
     await client.sees(1)
@@ -278,25 +258,19 @@ async def test_a_broken_sample_is_reported_once_and_harms_nothing(bench: Bench):
 
 
 async def test_samples_that_a_paused_client_loses_are_never_decoded(bench: Bench):
-    bench.ros.add_publisher("/chatter", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/chatter", queue_length=1)
+    client = bench.listener("/chatter", STRING, queue_length=1)
     client.is_paused = True
     bench.ros.publish("/chatter", b"\0\1\0\0\xff\xff\xff\xff")  # would be reported if decoded
-    bench.ros.publish("/chatter", bench.cdr(STRING, data="newest"))
+    bench.say("/chatter", "newest")
     await bench.settle()
-    client.is_paused = False
-    client.flush()
+    client.resume()
     assert client.messages == [{"data": "newest"}]
     assert client.statuses == []
 
 
 async def test_a_throttled_topic_delivers_the_last_sample_too(bench: Bench):
-    bench.ros.add_publisher("/chatter", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/chatter", throttle_rate=50)
-    for number in range(10):
-        bench.ros.publish("/chatter", bench.cdr(STRING, data=str(number)))
+    client = bench.listener("/chatter", STRING, throttle_rate=50)
+    bench.say("/chatter", *map(str, range(10)))
     await client.sees(2)
     assert client.messages == [{"data": "0"}, {"data": "9"}]
 
@@ -317,34 +291,26 @@ async def test_on_a_latched_topic_each_publishers_last_sample_passes_a_throttle(
 
 async def test_a_change_while_a_sample_is_held_back_does_not_stop_the_stream(bench: Bench):
     bench.ros.add_publisher("/chatter", STRING)
-    client = bench.client()
-    client.send(op="subscribe", id="a", topic="/chatter", throttle_rate=50)
-    for text in ("first", "held"):
-        bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
+    client = bench.sender(op="subscribe", id="a", topic="/chatter", throttle_rate=50)
+    bench.say("/chatter", "first", "held")
     await client.sees(1)
     client.send(op="subscribe", id="a", topic="/chatter", throttle_rate=50, meta=True)
     await client.sees(2)
-    bench.ros.publish("/chatter", bench.cdr(STRING, data="later"))
+    bench.say("/chatter", "later")
     await client.sees(3)
     assert [message["data"] for message in client.messages] == ["first", "held", "later"]
 
 
 async def test_a_throttled_topic_with_a_queue_delivers_all_one_per_interval(bench: Bench):
-    bench.ros.add_publisher("/chatter", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/chatter", throttle_rate=50, queue_length=10)
-    for number in range(6):
-        bench.ros.publish("/chatter", bench.cdr(STRING, data=str(number)))
+    client = bench.listener("/chatter", STRING, throttle_rate=50, queue_length=10)
+    bench.say("/chatter", *map(str, range(6)))
     await client.sees(6)
     assert [message["data"] for message in client.messages] == list("012345")
 
 
 async def test_samples_that_a_throttle_skips_count_as_dropped(bench: Bench):
-    bench.ros.add_publisher("/chatter", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/chatter", throttle_rate=50, meta=True)
-    for number in range(6):
-        bench.ros.publish("/chatter", bench.cdr(STRING, data=str(number)))
+    client = bench.listener("/chatter", STRING, throttle_rate=50, meta=True)
+    bench.say("/chatter", *map(str, range(6)))
     await eventually(lambda: client.of("publish")[-1:] and client.of("publish")[-1]["seq"] == 6)
     last = client.of("publish")[-1]
     assert last["dropped"] == 6 - len(client.of("publish")) > 0
@@ -375,12 +341,10 @@ async def test_a_former_interval_does_not_cut_the_new_one_short(bench: Bench):
     one, other = bench.client(), bench.client()
     one.send(op="subscribe", id="a", topic="/chatter", throttle_rate=20)
     other.send(op="subscribe", topic="/chatter", throttle_rate=60)
-    for text in ("1", "2"):
-        bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
+    bench.say("/chatter", "1", "2")
     await one.sees(1)
     one.send(op="subscribe", id="a", topic="/chatter", throttle_rate=3_600_000)
-    for text in ("3", "4"):
-        bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
+    bench.say("/chatter", "3", "4")
     await other.sees(2)  # by then the former interval is also over
     await one.sees(3)
     assert [message["data"] for message in one.messages] == ["1", "2", "3"]
@@ -390,12 +354,10 @@ async def test_a_change_of_qos_while_a_frame_is_in_the_works_does_not_stop_the_s
     bench: Bench,
 ):
     publisher = bench.ros.add_publisher("/map", STRING, LATCHED)
-    other = bench.client()
-    other.send(op="subscribe", topic="/map")
+    other = bench.sender(op="subscribe", topic="/map")
     publisher.publish(bench.cdr(STRING, data="walls" * 100_000))
     await other.sees(1)
-    client = bench.client()
-    client.send(op="subscribe", id="a", topic="/map", compression="png")
+    client = bench.sender(op="subscribe", id="a", topic="/map", compression="png")
     client.send(op="subscribe", id="a", topic="/map", compression="none", qos={"depth": 1})
     await client.sees(1)
     publisher.publish(bench.cdr(STRING, data="doors"))
@@ -413,8 +375,7 @@ async def test_another_qos_on_a_latched_topic_delivers_what_waits_once(bench: Be
     await bench.settle()
     client.send(op="subscribe", id="a", topic="/map", qos={"depth": 1})
     await bench.settle()
-    client.is_paused = False
-    client.flush()
+    client.resume()
     assert client.messages == [{"data": "walls"}]
 
 
@@ -450,8 +411,7 @@ async def test_a_subscription_that_is_replaced_has_the_newest_word(bench: Bench)
 async def test_fields_are_checked_next_to_a_subscription_to_everything(
     bench: Bench, options, words
 ):
-    client = bench.client()
-    client.send(op="subscribe", id="all", topic="/t", type=STRING)
+    client = bench.sender(op="subscribe", id="all", topic="/t", type=STRING)
     client.send(**{"op": "subscribe", "id": "wrong", "topic": "/t", **options})
     (status,) = client.of("status")
     assert (status["code"], status["id"]) == ("bad_request", "wrong")
@@ -474,9 +434,7 @@ def picture_of(bench: Bench, colour: tuple[int, int, int], width: int = 64) -> b
 
 
 async def test_an_image_comes_as_jpeg_in_the_shape_of_compressed_image(bench: Bench):
-    bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
-    client = bench.client()
-    client.send(op="subscribe", topic="/camera")
+    client = bench.listener("/camera", "sensor_msgs/msg/Image")
     bench.ros.publish("/camera", picture_of(bench, (200, 30, 10)))
     message = (await client.sees(1))[0]["msg"]
     assert list(message) == ["header", "format", "data", "width", "height"]
@@ -519,9 +477,7 @@ async def test_a_compressed_image_is_encoded_again_only_on_request(bench: Bench)
 
 async def test_a_client_that_asks_for_a_picture_learns_why_there_is_no_picture(bench: Bench):
     kind = "sensor_msgs/msg/CompressedImage"
-    bench.ros.add_publisher("/camera", kind)
-    client = bench.client()
-    client.send(op="subscribe", topic="/camera", image={"max_width": 32})
+    client = bench.listener("/camera", kind, image={"max_width": 32})
     bench.ros.publish("/camera", bench.cdr(kind, format="tiff", data=[1, 2, 3]))
     await client.sees(1, "status")
     assert client.statuses == [("invalid_value", "/camera: data is neither JPEG nor PNG")]
@@ -540,9 +496,7 @@ async def test_the_default_format_is_that_of_the_connection(bench: Bench):
 
 
 async def test_while_one_picture_is_in_the_works_only_the_newest_waits(bench: Bench):
-    bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
-    client = bench.client()
-    client.send(op="subscribe", topic="/camera", queue_length=1, meta=True)
+    client = bench.listener("/camera", "sensor_msgs/msg/Image", queue_length=1, meta=True)
     for shade in range(20):
         bench.ros.publish("/camera", picture_of(bench, (shade, shade, shade)))
     await eventually(lambda: any(frame["seq"] == 20 for frame in client.of("publish")))
@@ -552,9 +506,7 @@ async def test_while_one_picture_is_in_the_works_only_the_newest_waits(bench: Be
 
 
 async def test_an_image_that_contradicts_itself_is_a_status_not_a_crash(bench: Bench):
-    bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
-    client = bench.client()
-    client.send(op="subscribe", topic="/camera")
+    client = bench.listener("/camera", "sensor_msgs/msg/Image")
     wrong = bench.cdr("sensor_msgs/msg/Image", height=4, width=4, encoding="rgb8", step=3)
     bench.ros.publish("/camera", wrong)
     (status,) = await client.sees(1, "status")
@@ -572,21 +524,20 @@ async def test_an_unknown_compression_is_a_warning_and_plain_json(bench: Bench):
         ("bad_request", "compression: 'zip' is not available, sending plain JSON")
     ]
     assert client.of("status")[0]["level"] == "warning"
-    bench.ros.publish("/chatter", bench.cdr(STRING, data="x"))
+    bench.say("/chatter", "x")
     assert (await client.sees(1))[0]["msg"] == {"data": "x"}
 
 
 @pytest.mark.parametrize("second", [{"id": "b"}, {"id": "b", "fields": ["data"]}, {"id": "a"}])
 async def test_each_request_of_a_client_gets_what_a_latched_topic_keeps(bench: Bench, second):
     bench.ros.add_publisher("/map", STRING, LATCHED)
-    client = bench.client()
-    client.send(op="subscribe", id="a", topic="/map")
-    bench.ros.publish("/map", bench.cdr(STRING, data="walls"))
+    client = bench.sender(op="subscribe", id="a", topic="/map")
+    bench.say("/map", "walls")
     await client.sees(1)
     client.send(op="subscribe", topic="/map", **second)
     await client.sees(2)
     assert client.messages == [{"data": "walls"}] * 2
-    bench.ros.publish("/map", bench.cdr(STRING, data="more"))
+    bench.say("/map", "more")
     await client.sees(3)
     assert client.messages[2:] == [{"data": "more"}]
 
@@ -606,16 +557,14 @@ async def test_a_late_client_gets_a_sample_of_each_latching_publisher(bench: Ben
 async def test_kept_samples_are_forgotten_once_the_topic_is_volatile(bench: Bench):
     latching = bench.ros.add_publisher("/map", STRING, LATCHED)
     latching.publish(bench.cdr(STRING, data="old"))
-    early = bench.client()
-    early.send(op="subscribe", topic="/map")
+    early = bench.sender(op="subscribe", topic="/map")
     await early.sees(1)
     bench.ros.remove_publisher(latching)
     bench.ros.add_publisher("/map", STRING)
     await bench.settle()
-    bench.ros.publish("/map", bench.cdr(STRING, data="new"))
+    bench.say("/map", "new")
     await early.sees(2)
-    late = bench.client()
-    late.send(op="subscribe", topic="/map")
+    late = bench.sender(op="subscribe", topic="/map")
     await bench.settle()
     assert late.messages == []
 
@@ -626,23 +575,19 @@ async def test_clients_of_one_rendition_share_its_bytes(bench: Bench):
     for client in clients:
         client.send(op="subscribe", topic="/chatter")
     clients[2].send(op="subscribe", topic="/chatter", fields=["data"])
-    bench.ros.publish("/chatter", bench.cdr(STRING, data="encoded once"))
+    bench.say("/chatter", "encoded once")
     for client in clients:
         await client.sees(1)
     assert clients[0].wires[-1] is clients[1].wires[-1]
 
 
 async def test_unsubscribing_a_throttled_topic_delivers_nothing_more(bench: Bench):
-    bench.ros.add_publisher("/chatter", STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/chatter", throttle_rate=20)
-    for text in ("first", "held"):
-        bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
+    client = bench.listener("/chatter", STRING, throttle_rate=20)
+    bench.say("/chatter", "first", "held")
     await client.sees(1)
     client.send(op="unsubscribe", topic="/chatter")
     before = list(client.messages)
-    other = bench.client()
-    other.send(op="subscribe", topic="/chatter", throttle_rate=50)
+    other = bench.sender(op="subscribe", topic="/chatter", throttle_rate=50)
     for text in ("a", "b"):  # another client's interval is over later than ours would be
         bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
     await other.sees(2)
@@ -698,8 +643,7 @@ async def test_a_warning_about_qos_carries_the_id_and_ends_with_its_cause(bench:
 
 
 async def test_a_topic_with_two_types_is_told_once_and_fed_when_one_is_left(bench: Bench):
-    client = bench.client()
-    client.send(op="subscribe", topic="/thing")
+    client = bench.sender(op="subscribe", topic="/thing")
     wrong = bench.ros.add_publisher("/thing", "std_msgs/msg/Int32")
     right = bench.ros.add_publisher("/thing", STRING)
     await bench.settle()
@@ -733,16 +677,14 @@ async def test_a_topic_that_is_received_twice_has_the_rate_of_the_one_that_gets_
 async def test_meta_that_is_asked_for_while_a_sample_waits_is_not_made_up(bench: Bench):
     publisher = bench.ros.add_publisher("/map", STRING, LATCHED)
     publisher.publish(bench.cdr(STRING, data="walls"))
-    first = bench.client()
-    first.send(op="subscribe", topic="/map")
+    first = bench.sender(op="subscribe", topic="/map")
     await first.sees(1)
     late = bench.client()
     late.is_paused = True
     late.send(op="subscribe", id="a", topic="/map")
     await bench.settle()
     late.send(op="subscribe", id="a", topic="/map", meta=True)
-    late.is_paused = False
-    late.flush()
+    late.resume()
     (frame,) = await late.sees(1)
     assert frame == {"op": "publish", "topic": "/map", "msg": {"data": "walls"}}
 
@@ -755,8 +697,7 @@ async def test_a_fault_of_ours_in_subscribing_leaves_nothing_open(
 
     for topic in ("/a", "/b"):
         bench.ros.add_publisher(topic, STRING)
-    client = bench.client()
-    client.send(op="subscribe", topic="/a")
+    client = bench.sender(op="subscribe", topic="/a")
     with monkeypatch.context() as patch:
         patch.setattr("gateway.core.topics.topic.make_encoding", fail)
         with pytest.raises(ZeroDivisionError):
@@ -774,11 +715,9 @@ async def test_on_a_slow_link_only_what_is_said_again_makes_room_for_newer_ones(
     client.session.outbox.drains(1000)
     client.send(op="subscribe", topic="/t")
     client.is_paused = True
-    for number in range(50):
-        bench.ros.publish("/t", bench.cdr(STRING, data=str(number)))
+    bench.say("/t", *map(str, range(50)))
     await bench.settle()
-    client.is_paused = False
-    client.flush()
+    client.resume()
     texts = [message["data"] for message in client.messages]
     assert texts[-1] == "49"
     assert (len(texts) == 50) == (durability == "transient_local")

@@ -165,8 +165,7 @@ async def test_a_cancelled_lookup_sends_nothing_more(robot: Robot, client: Socke
         await other.sees(sec, "lookup_transform")
         if sec == 2:
             client.send(op="cancel_transform", id="pose")
-    client.is_paused = False
-    client.flush()
+    client.resume()
     assert len(xs(client)) == 1  # nor is what waited
     client.send(op="cancel_transform", id="pose")
     assert client.statuses == [("not_found", "no repeated lookup with id 'pose'")]
@@ -348,8 +347,7 @@ async def test_for_a_slow_client_only_the_newest_waits(robot: Robot, client: Soc
     for sec in range(1, 9):
         robot.drive(sec, float(sec))
         await eventually(lambda sec=sec: len(xs(quick)) == sec)
-    client.is_paused = False
-    client.flush()
+    client.resume()
     assert xs(client) == [(8, 9.0)]
     assert client.session.outbox.dropped == 7
 

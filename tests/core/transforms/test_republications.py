@@ -174,8 +174,7 @@ async def test_a_slow_client_gets_the_newest_of_every_frame_in_one_message(
     await stage.step()
     for sec in range(2, 5):
         await stage.drive(sec, float(sec))
-    client.is_paused = False
-    client.flush()
+    client.resume()
     assert xs(transforms(client)) == [{"arm": 5.0, "base_link": 4.0}]
 
 
@@ -188,8 +187,7 @@ async def test_frames_that_a_full_outbox_drops_come_with_the_next_ones(
     await stage.step()
     [queue] = client.session.outbox._queues
     queue.drop_oldest()
-    client.is_paused = False
-    client.flush()
+    client.resume()
     assert len(transforms(client)) == 1
     await stage.drive(2, 3.0)
     assert xs(transforms(client))[1] == {"arm": 5.0, "base_link": 3.0}

@@ -18,8 +18,7 @@ def tried(client):
 
 
 async def test_help_has_lines_to_try_and_where_the_docs_are(bench: Bench):
-    client = bench.client()
-    client.send(op="help", id="h")
+    client = bench.sender(op="help", id="h")
     (answer,) = client.frames
     assert (answer["id"], answer["docs"]) == ("h", DOCS)
     assert answer["operations"] == list(OPERATIONS)
@@ -49,8 +48,7 @@ async def test_other_text_is_refused_with_the_way_to_help(bench: Bench):
 
 async def test_each_frame_has_a_separate_line(bench: Bench):
     bench.ros.add_publisher("/odom", ODOMETRY)
-    client = bench.client()
-    client.send(op="help")
+    client = bench.sender(op="help")
     lines = client.wires[0].partition(b"{")[2].decode().splitlines()
     frames = tried(client)
     assert [json.loads(line) for line in lines if line.startswith('{"op"')] == frames
@@ -64,8 +62,7 @@ async def test_the_topic_to_try_is_one_of_the_robot_and_short(bench: Bench):
     ]:
         bench.ros.add_publisher(topic, type_name)
     bench.ros.add_subscription("/cmd_vel", "geometry_msgs/msg/Twist", lambda samples: None)
-    client = bench.client()
-    client.send(op="help")
+    client = bench.sender(op="help")
     assert {"op": "subscribe", "topic": "/odom", "throttle_rate": 1000} in tried(client)
 
 
@@ -96,8 +93,7 @@ async def test_a_topic_to_try_is_one_that_the_client_may_subscribe_to(bench: Ben
 
 async def test_nothing_is_published_where_others_mean_something_by_it(bench: Bench):
     bench.ros.add_publisher("/chatter", "geometry_msgs/msg/Twist")
-    client = bench.client()
-    client.send(op="help")
+    client = bench.sender(op="help")
     assert "publish" not in {frame["op"] for frame in tried(client)}
 
 
@@ -109,8 +105,7 @@ async def test_the_parameters_to_try_are_those_of_a_node_that_has_some(bench: Be
         lambda request: None,
         node="/robot",
     )
-    client = bench.client()
-    client.send(op="help")
+    client = bench.sender(op="help")
     assert {"op": "list_parameters", "node": "/robot"} in tried(client)
 
 
@@ -118,8 +113,7 @@ async def test_an_action_is_described_and_gets_no_goal(bench: Bench):
     bench.ros.add_action_server(
         "/fib", "test_msgs/action/Fibonacci", lambda goal: None, lambda goal: None
     )
-    client = bench.client()
-    client.send(op="help")
+    client = bench.sender(op="help")
     assert {"op": "describe", "type": "/fib"} in tried(client)
     assert "send_action_goal" not in {frame["op"] for frame in tried(client)}
     viewer = bench.client(identity=Identity("screen", Policy(AccessConfig()).of("viewer")))
@@ -130,8 +124,7 @@ async def test_an_action_is_described_and_gets_no_goal(bench: Bench):
 async def test_the_answer_is_bounded_whatever_the_graph_holds(bench: Bench):
     for number in range(300):
         bench.ros.add_publisher(f"/{'x' * 240}{number}", ODOMETRY)
-    client = bench.client()
-    client.send(op="help")
+    client = bench.sender(op="help")
     assert len(client.wires[0]) < 4096
 
 

@@ -107,8 +107,7 @@ async def test_a_map_of_nav2_reaches_ros(bench: Bench, publish: Way, size):
     ],
 )
 async def test_a_png_without_a_map_is_refused(bench: Bench, png, more, words):
-    client = bench.client()
-    client.send(op="advertise", topic="/map", type=GRID, image={"format": "png"})
+    client = bench.sender(op="advertise", topic="/map", type=GRID, image={"format": "png"})
     data = b"no png" if png is None else cv2.imencode(".png", png)[1].tobytes()
     msg = {"format": "png", "info": more, "data": base64.b64encode(data).decode()}
     client.send(op="publish", topic="/map", msg=msg)
@@ -206,8 +205,7 @@ async def test_a_large_message_of_who_is_behind_goes_out_before_its_topic_is_wit
 
 
 async def test_a_large_message_that_ros_refuses_is_answered(bench: Bench, monkeypatch):
-    client = bench.client()
-    client.send(op="advertise", topic="/map", type=GRID)
+    client = bench.sender(op="advertise", topic="/map", type=GRID)
     (publisher,) = bench.ros.publishers
 
     def refuse(cdr: bytes) -> None:

@@ -126,8 +126,7 @@ async def test_when_a_client_leaves_its_topics_end(
 async def test_a_topic_is_that_of_one_client(robot: Robot, client: Socketless):
     call(client)
     client.send(op="subscribe", topic=FIRST)
-    other = robot.bench.client()
-    other.send(op="subscribe", topic=FIRST)
+    other = robot.bench.sender(op="subscribe", topic=FIRST)
     assert other.statuses[0][1].startswith(f"topic {FIRST} does not exist")
     await robot.bench.settle()
     robot.drive(1, 2.0)
