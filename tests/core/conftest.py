@@ -117,11 +117,11 @@ class Bench:
         self,
         topic: str,
         type_name: str,
-        qos: Qos = Qos(),
+        qos: Qos | None = None,
         **options: Any,
     ) -> Socketless:
         """Return a client that has subscribed to a topic which a node publishes."""
-        self.ros.add_publisher(topic, type_name, qos)
+        self.ros.add_publisher(topic, type_name, qos or Qos())
         return self.sender(op="subscribe", topic=topic, **options)
 
     def say(self, topic: str, *texts: str) -> None:
