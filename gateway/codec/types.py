@@ -2,11 +2,10 @@
 """The types of this machine, each message with its codecs, made when first needed."""
 
 import math
-from collections import OrderedDict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Final, Generic, TypeVar
+from dataclasses import dataclass, fields
+from functools import cached_property, lru_cache, partial
+from typing import Any, Final, TypeVar, cast
 
 from gateway.codec.cdr import (
     Decoder,
@@ -35,12 +34,14 @@ from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.interface import Interface, InterfaceKind
 from schemas.json_forms import Clock
 
-# Selections of fields that stay compiled per type. Clients share a few, and compiling takes
+# Codecs of selected fields that stay compiled per type. Clients share a few, and compiling takes
 # milliseconds, tens of them for the largest types. A client that keeps inventing selections must
 # not fill the memory.
 MAX_DECODERS: Final = 32
 # Elements of an array from which on it makes its message large.
 LARGE_ARRAY: Final = 4096
+
+_compile_raw: Final = partial(compile_decoder, octets="raw")
 
 
 class MessageType:
@@ -52,10 +53,7 @@ class MessageType:
         self.name = definition.name
         self._definitions = types.definitions
         self._types = types
-        self._decoders: _Compiled[Decoder] = _Compiled()
-        self._transcoders: _Compiled[Transcoder] = _Compiled()
-        self._sliced_decoders: _Compiled[SlicedDecoder] = _Compiled()
-        self._sliced_transcoders: _Compiled[SlicedTranscoder] = _Compiled()
+        self._compiled = lru_cache(MAX_DECODERS)(self._compile)
 
     @cached_property
     def decode(self) -> Decoder:
@@ -123,48 +121,27 @@ class MessageType:
         """Return a decoder of some fields, or with octet arrays untouched.
 
         Raises:
-            FieldError: a name in *fields* is not a field.
+            FieldError: a name in *fields* is not a field. So do the three below.
         """
         if not fields and octets == "base64":
             return self.decode
-        wanted = _sorted(fields)
-        return self._decoders.get(
-            (*wanted, octets),
-            lambda: compile_decoder(self.definition, self._definitions, wanted, octets=octets),
-        )
+        compile_it = _compile_raw if octets == "raw" else compile_decoder
+        return cast("Decoder", self._compiled(compile_it, _sorted(fields)))
 
     def transcoder(self, fields: tuple[str, ...] | None = None) -> Transcoder:
-        """Return a function from CDR to CBOR, of some fields. See `compile_transcoder`.
-
-        Raises:
-            FieldError: a name in *fields* is not a field.
-        """
-        wanted = _sorted(fields)
-        return self._transcoders.get(
-            wanted, lambda: compile_transcoder(self.definition, self._definitions, wanted)
-        )
+        """Return a function from CDR to CBOR, of some fields. See `compile_transcoder`."""
+        return cast("Transcoder", self._compiled(compile_transcoder, _sorted(fields)))
 
     def sliced_decoder(self, fields: tuple[str, ...] | None = None) -> SlicedDecoder:
-        """Return a decoder of some fields for large messages. See `compile_sliced_decoder`.
-
-        Raises:
-            FieldError: a name in *fields* is not a field.
-        """
-        wanted = _sorted(fields)
-        return self._sliced_decoders.get(
-            wanted, lambda: compile_sliced_decoder(self.definition, self._definitions, wanted)
-        )
+        """Return a decoder for large messages. See `compile_sliced_decoder`."""
+        return cast("SlicedDecoder", self._compiled(compile_sliced_decoder, _sorted(fields)))
 
     def sliced_transcoder(self, fields: tuple[str, ...] | None = None) -> SlicedTranscoder:
-        """Return a transcoder for large messages. See `compile_sliced_transcoder`.
+        """Return a transcoder for large messages. See `compile_sliced_transcoder`."""
+        return cast("SlicedTranscoder", self._compiled(compile_sliced_transcoder, _sorted(fields)))
 
-        Raises:
-            FieldError: a name in *fields* is not a field.
-        """
-        wanted = _sorted(fields)
-        return self._sliced_transcoders.get(
-            wanted, lambda: compile_sliced_transcoder(self.definition, self._definitions, wanted)
-        )
+    def _compile(self, compile_codec: Callable[..., Any], wanted: tuple[str, ...]) -> Any:
+        return compile_codec(self.definition, self._definitions, wanted)
 
     def named(self, values: Sequence[object], root: str = "args") -> dict[str, object]:
         """Turn the values of the first fields, in order, into the object that `encode` takes.
@@ -186,50 +163,41 @@ class MessageType:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ServiceType:
-    """One service type: its definition and the types of its two messages."""
+class _InterfaceType:
+    """One type of services or actions: its definition, and in further fields those of its parts."""
 
     definition: Interface
-    request: MessageType
-    response: MessageType
 
     @property
     def name(self) -> str:
-        """The full name, ``pkg/srv/Name``."""
+        """The full name, such as ``pkg/srv/Name``."""
         return self.definition.name
 
     def json_schema(self) -> Schema:
-        """Return the JSON Schema of an object with a ``request`` and a ``response``."""
-        return interface_schema(
-            self.definition,
-            {"request": self.request.json_schema(), "response": self.response.json_schema()},
-        )
+        """Return the JSON Schema of an object with a member for each part."""
+        parts = [field.name for field in fields(self)[1:]]
+        schemas: dict[Any, Schema] = {part: getattr(self, part).json_schema() for part in parts}
+        return interface_schema(self.definition, schemas)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ActionType:
-    """One action type: its definition and the types of its three messages."""
+class ServiceType(_InterfaceType):
+    """One service type and the types of its two messages."""
 
-    definition: Interface
+    request: MessageType
+    response: MessageType
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ActionType(_InterfaceType):
+    """One action type and the types of its three messages."""
+
     goal: MessageType
     result: MessageType
     feedback: MessageType
 
-    @property
-    def name(self) -> str:
-        """The full name, ``pkg/action/Name``."""
-        return self.definition.name
 
-    def json_schema(self) -> Schema:
-        """Return the JSON Schema of an object with a ``goal``, a ``result`` and a ``feedback``."""
-        return interface_schema(
-            self.definition,
-            {
-                "goal": self.goal.json_schema(),
-                "result": self.result.json_schema(),
-                "feedback": self.feedback.json_schema(),
-            },
-        )
+_Interface = TypeVar("_Interface", ServiceType, ActionType)
 
 
 class Types:
@@ -243,8 +211,7 @@ class Types:
         self.definitions = definitions
         self._revision = definitions.revision
         self._messages: dict[str, MessageType] = {}
-        self._services: dict[str, ServiceType] = {}
-        self._actions: dict[str, ActionType] = {}
+        self._interfaces: dict[tuple[InterfaceKind, str], Any] = {}
 
     def get(self, name: str) -> MessageType:
         """Return the message type ``pkg/msg/Name``, or a part such as ``pkg/srv/Name_Request``.
@@ -276,33 +243,18 @@ class Types:
         Raises:
             UnknownTypeError, DefinitionError: as for `get`.
         """
-        self._follow()
-        known = self._services.get(name)
-        if known is None:
-            definition, parts = self._interface(name, "srv")
-            known = self._services[name] = ServiceType(definition, *parts)
-        return known
+        return self._interface(name, "srv", ServiceType)
 
     def action(self, name: str) -> ActionType:
-        """Return the action type ``pkg/action/Name``.
-
-        Raises:
-            UnknownTypeError, DefinitionError: as for `get`.
-        """
-        self._follow()
-        known = self._actions.get(name)
-        if known is None:
-            definition, parts = self._interface(name, "action")
-            known = self._actions[name] = ActionType(definition, *parts)
-        return known
+        """Return the action type ``pkg/action/Name``. It raises as `service` does."""
+        return self._interface(name, "action", ActionType)
 
     def _follow(self) -> None:
         """Forget the types whose definitions have changed."""
         if self._revision == self.definitions.revision:
             return
         self._revision = self.definitions.revision
-        self._services.clear()
-        self._actions.clear()
+        self._interfaces.clear()
         for name, known in list(self._messages.items()):
             try:
                 is_same = self.definitions.closure([name]) == known.closure
@@ -311,33 +263,14 @@ class Types:
             if not is_same:
                 del self._messages[name]
 
-    def _interface(self, name: str, kind: InterfaceKind) -> tuple[Interface, list[MessageType]]:
-        definition = hashed(self.definitions.interface(name, kind), self.definitions)
-        return definition, [self.get(part.name) for part in definition.parts.values()]
-
-
-_Codec = TypeVar("_Codec")
-
-
-class _Compiled(Generic[_Codec]):
-    """The most recently used codecs, at most `MAX_DECODERS`."""
-
-    def __init__(self) -> None:
-        self._known: OrderedDict[tuple[str, ...], _Codec] = OrderedDict()
-
-    def __len__(self) -> int:
-        return len(self._known)
-
-    def get(self, key: tuple[str, ...], make: Callable[[], _Codec]) -> _Codec:
-        """Return the codec of a key, and make it if it is missing."""
-        known = self._known.get(key)
+    def _interface(self, name: str, kind: InterfaceKind, make: type[_Interface]) -> _Interface:
+        self._follow()
+        known = self._interfaces.get((kind, name))
         if known is None:
-            known = make()
-            if len(self._known) >= MAX_DECODERS:
-                self._known.popitem(last=False)
-            self._known[key] = known
-        self._known.move_to_end(key)
-        return known
+            definition = hashed(self.definitions.interface(name, kind), self.definitions)
+            parts = [self.get(part.name) for part in definition.parts.values()]
+            known = self._interfaces[kind, name] = make(definition, *parts)
+        return cast("_Interface", known)
 
 
 def _most(field: FieldType) -> float:

@@ -5,15 +5,18 @@ ROS 2 uses plain CDR, encoding version 1 (DDS-XTypes 1.3, 7.4.3). A 4-byte encap
 comes first. Then every primitive is aligned to its size, counted from after the header.
 """
 
-from gateway.codec.cdr.decoder import Decoder, Transcoder, compile_decoder, compile_transcoder
-from gateway.codec.cdr.encoder import Encoder, compile_encoder
-from gateway.codec.cdr.layout import Cdr
-from gateway.codec.cdr.sliced import (
+from gateway.codec.cdr.compiled import (
+    Decoder,
     SlicedDecoder,
     SlicedTranscoder,
+    Transcoder,
+    compile_decoder,
     compile_sliced_decoder,
     compile_sliced_transcoder,
+    compile_transcoder,
 )
+from gateway.codec.cdr.encoder import Encoder, compile_encoder
+from gateway.codec.cdr.layout import Cdr
 from gateway.codec.cdr.target import Octets
 
 __all__ = [

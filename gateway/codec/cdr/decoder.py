@@ -2,14 +2,14 @@
 """CDR to values that `gateway.codec.json.dumps` can write, or to CBOR."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from functools import cache
 from struct import error as StructError  # noqa: N812
 from struct import unpack_from
-from typing import Any, Final, Generic, TypeAlias, assert_never
+from typing import Any, Final, assert_never
 
 import numpy as np
 
+from gateway.codec.cdr.decoder_runs import RunReader
 from gateway.codec.cdr.layout import (
     ALIGNMENTS,
     CODES,
@@ -31,64 +31,14 @@ from gateway.codec.cdr.layout import (
 from gateway.codec.cdr.rows import each_row, row
 from gateway.codec.cdr.selection import Selection, select
 from gateway.codec.cdr.sliced_elements import CHUNK_ELEMENTS
-from gateway.codec.cdr.source import SourceCode, variable
-from gateway.codec.cdr.target import NATIVE, Octets, Target, Value, Values
+from gateway.codec.cdr.source import variable
+from gateway.codec.cdr.target import Target, Value
 from gateway.codec.cdr.text import wide_text
-from gateway.codec.cdr.to_cbor import Cbor
 from gateway.codec.errors import CodecError
 from schemas.definition import Definition, FieldType
 from schemas.installed import InstalledDefinitions
 
-Decoder: TypeAlias = Callable[[Cdr], dict[str, object]]
-Transcoder: TypeAlias = Callable[[Cdr], bytes]
-
 _PAUSE: Final = 'yield b""'
-
-# RTPS 2.5, 10.2: CDR_LE is the octets {0x00, 0x01}, CDR_BE {0x00, 0x00}, each in its own order.
-_ENCAPSULATIONS: Final = {"<": 0x0100, ">": 0x0000}
-
-
-def compile_decoder(
-    definition: Definition,
-    definitions: InstalledDefinitions,
-    fields: Iterable[str] | None = None,
-    *,
-    octets: Octets = "base64",
-) -> Decoder:
-    """Compile a function from CDR, encapsulation header included, to a dict.
-
-    The dict has the fields in the order of the definition. Messages are dicts. Arrays are
-    lists, tuples or numpy views on the bytes, octet arrays are base64 (or, ``raw``,
-    memoryviews). A float32 is a `numpy.float32`, non-finite floats are unchanged. A string ends
-    at its first NUL, and invalid UTF-8 is replaced: one sloppy node must not silence a topic.
-
-    With *fields* (dotted paths) the dict holds only these, and reading stops after the last one.
-
-    The function raises only `CodecError`, with the offset, if the bytes are not such a message.
-    It allocates in proportion to the bytes given, whatever counts they state.
-
-    Raises:
-        FieldError: a name in *fields* is not a field.
-        UnknownTypeError: a nested type is not installed.
-    """
-    note = ", octets raw" if octets == "raw" else ""
-    return compile_for(definition, definitions, fields, Values(octets), "CDR decoder", note)
-
-
-def compile_transcoder(
-    definition: Definition, definitions: InstalledDefinitions, fields: Iterable[str] | None = None
-) -> Transcoder:
-    """Compile a function from CDR, encapsulation header included, to CBOR: a map.
-
-    As in rosbridge, octet arrays are byte strings, and all other arrays of numbers are
-    little-endian typed arrays (RFC 8746), short and empty ones too. Every float is a float64.
-    *fields* and the errors of the function are those of `compile_decoder`.
-
-    Raises:
-        FieldError: a name in *fields* is not a field.
-        UnknownTypeError: a nested type is not installed.
-    """
-    return compile_for(definition, definitions, fields, Cbor(), "CDR to CBOR transcoder", "")
 
 
 def compile_for(
@@ -134,7 +84,7 @@ def _too_long(path: str, count: int, bound: int, offset: int) -> CodecError:
     return CodecError(f"{path} has {count} elements, at most {bound} are allowed", offset=offset)
 
 
-class _DecoderWriter(Generic[Value]):
+class _DecoderWriter(RunReader[Value]):
     """Writes the source of one decoder.
 
     It uses the variables ``data`` and its ``size``, and ``offset``, the position of the next read.
@@ -145,16 +95,8 @@ class _DecoderWriter(Generic[Value]):
     def __init__(
         self, order: ByteOrder, target: Target[Value], definitions: InstalledDefinitions
     ) -> None:
-        self._order: ByteOrder = order
-        self._target = target
+        super().__init__(order, target)
         self._definitions = definitions
-        self._arguments = ", ".join(("data", *target.arguments))
-        self._source = SourceCode()
-        self._slots: list[Slot] = []
-        self._targets: list[str] = []
-        # the float32 of the run: the variable of their bytes, and those of each (none for an array)
-        self._floats: list[tuple[str, list[str]]] = []
-        self._residue: int | None = 0  # of the offset modulo 8, if known
 
     def write(
         self,
@@ -229,27 +171,6 @@ class _DecoderWriter(Generic[Value]):
             self._flush()
             self._slots.append(Slot(code, member.length))
             self._flush(variable(member.path))
-
-    def _float32(self, member: Fixed) -> None:
-        """Read them as one array of numpy, neighbours together: one each takes twice as long."""
-        name, length = variable(member.path), member.length
-        if length is None and self._floats and self._slots[-1].is_raw and self._floats[-1][1]:
-            self._slots[-1] = replace(self._slots[-1], count=self._slots[-1].count + 1)
-            self._floats[-1][1].append(name)
-            return
-        self._slots.append(Slot("f", length or 1, is_raw=True))
-        self._targets.append(name)
-        self._floats.append((name, [name] if length is None else []))
-
-    def _floats_of(self, octets: str, names: Sequence[str]) -> str:
-        """Return the assignment of float32 whose bytes have been read."""
-        view = f"frombuffer({octets}, FLOAT32)"
-        if len(names) == 1:
-            return f"{names[0]} = {view}[0]"
-        if names:  # an array's own iterator ends by an IndexError, and so takes twice as long
-            return f"{', '.join(names)} = {view}.flat"
-        # orjson writes arrays in native order only
-        return f"{octets} = {view}" + ("" if self._order == NATIVE else '.astype("=f")')
 
     def _text(self, member: Text) -> None:
         source = self._source
@@ -376,36 +297,6 @@ class _DecoderWriter(Generic[Value]):
     def _check(self, need: str, end: str) -> None:
         with self._source.block(f"if {end} > size:"):
             self._source.line(f"raise truncated(offset, {need}, size)")
-
-    def _flush(self, target: str | None = None) -> None:
-        """Read the current run, into its variables or as a whole into *target*."""
-        if not self._slots:
-            return
-        source = self._source
-        run = Run(self._slots, self._order)
-        if self._residue is not None:
-            struct = run.at(self._residue)
-            source.line(f"length = {struct.size}")
-            unpack = source.constant("UNPACK", struct.unpack_from, struct.format)
-        else:
-            structs = run.at_all()
-            table = [(struct.unpack_from, struct.size) for struct in structs]
-            name = source.constant("UNPACK", table, structs[HEADER_BYTES].format)
-            source.line(f"unpack, length = {name}[offset & 7]")
-            unpack = "unpack"
-        targets = target or "".join(f"{name}, " for name in self._targets)
-        source.line(f"{targets.strip()} = {unpack}(data, offset)".removeprefix(" = "))
-        source.line("offset += length")
-        if "encapsulation" in self._targets:
-            with source.block(f"if encapsulation != {_ENCAPSULATIONS[self._order]}:"):
-                pause = "yield from " if self._target.pauses else ""
-                source.line(f"return ({pause}other_encapsulation({self._arguments}))")
-        for octets, names in self._floats:
-            source.line(self._floats_of(octets, names))
-        self._residue = run.residue_after(self._residue)
-        self._slots = []
-        self._targets = []
-        self._floats = []
 
     def _message(self, definition: Definition, path: Path, selection: Selection) -> Value:
         """Build a message from its fields, nested messages included."""

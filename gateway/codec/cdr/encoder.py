@@ -7,7 +7,6 @@ on fields and on bytes is checked before each element.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from functools import cache
 from struct import pack
 from typing import Final, TypeAlias, assert_never
@@ -15,6 +14,7 @@ from typing import Final, TypeAlias, assert_never
 from gateway.codec.cdr.arrays import listed, packed
 from gateway.codec.cdr.bounds import MAX_CDR_BYTES, MAX_FIELDS, count_fields, refuse_size
 from gateway.codec.cdr.defaults import DefaultBytes, default_elements, default_value
+from gateway.codec.cdr.encoder_runs import RunWriter
 from gateway.codec.cdr.layout import (
     ALIGNMENTS,
     CODES,
@@ -24,7 +24,6 @@ from gateway.codec.cdr.layout import (
     Member,
     Numbers,
     Path,
-    Run,
     Slot,
     Text,
     flatten,
@@ -42,7 +41,7 @@ from gateway.codec.cdr.misfits import (
 )
 from gateway.codec.cdr.source import SourceCode, variable
 from gateway.codec.cdr.text import wide
-from schemas.definition import FLOATS, Definition
+from schemas.definition import Definition
 from schemas.installed import InstalledDefinitions
 from schemas.json_forms import FORMS, NON_FINITE, Clock, octets, whole, wholes
 
@@ -82,16 +81,7 @@ def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -
     return encode
 
 
-@dataclass(slots=True)
-class _Run:
-    """Neighbours of fixed size that are not written yet."""
-
-    slots: list[Slot] = field(default_factory=list)
-    values: list[str] = field(default_factory=list)
-    unchecked: dict[str, list[str]] = field(default_factory=dict)  # variables, by their check
-
-
-class _EncoderWriter:
+class _EncoderWriter(RunWriter):
     """Writes the source of one encoder: ``out`` grows, run by run.
 
     The lenient encoder accepts other forms of numbers, such as ``None`` as a float. A check at
@@ -102,12 +92,8 @@ class _EncoderWriter:
     def __init__(
         self, definition: Definition, definitions: InstalledDefinitions, *, is_lenient: bool
     ) -> None:
+        super().__init__(SourceCode(), is_lenient=is_lenient)
         self._definitions = definitions
-        self._is_lenient = is_lenient
-        self._source = SourceCode()
-        self._run = _Run([Slot("s", HEADER_BYTES)], ["CDR_LE"])
-        self._residue: int | None = 0  # of the length of out modulo 8, if known
-        self._is_begun = False
         self._messages: dict[Path, Definition] = {(): definition}
         self._objects: dict[Path, str] = {}  # those that a variable holds already
 
@@ -163,12 +149,11 @@ class _EncoderWriter:
     def _fixed(self, member: Fixed) -> None:
         if not member.wanted:  # the octet of a message without fields
             self._object(member.path)
-            self._run.slots.append(Slot(CODES[member.base], is_padding=True))
+            self._put_padding(member)
             return
         name = self._value(member)
         if member.length is None:
-            self._run.unchecked.setdefault(_allowed(member.base), []).append(name)
-            self._put(Slot(CODES[member.base]), self._as_number(member, name))
+            self._put_number(member, name)
         elif member.is_octets:
             self._expect_octets(member, name)
             self._put(Slot("s", member.length), name)
@@ -341,12 +326,6 @@ class _EncoderWriter:
         if member.length is not None:
             self._raise_misfit_if(f"len({name}) != {member.length}")
 
-    def _expect_numbers(self, member: Fixed | Numbers, name: str) -> None:
-        """Write the check of the elements of an array."""
-        allowed = _allowed(member.base)
-        with self._source.block(f"if not {allowed}.issuperset(map(type, {name})):"):
-            self._source.line(_raise(allowed, name))
-
     def _count(self, count: str, bound: int | None, terminators: int = 0) -> None:
         """Write the uint32 count of an array or string, which ends a run."""
         if bound is not None:
@@ -356,56 +335,3 @@ class _EncoderWriter:
     def _raise_misfit_if(self, test: str) -> None:
         with self._source.block(f"if {test}:"):
             self._source.line("raise Misfit")
-
-    # Runs
-
-    def _put(self, slot: Slot, value: str) -> None:
-        self._run.slots.append(slot)
-        self._run.values.append(value)
-
-    def _as_number(self, member: Fixed, name: str) -> str:
-        if not self._is_lenient or member.base == "bool":
-            return name
-        return f"NON_FINITE.get({name}, {name})" if member.base in FLOATS else f"whole({name})"
-
-    def _unpacked(self, member: Fixed | Numbers, name: str) -> str:
-        if not self._is_lenient or member.base == "bool":
-            return f"*{name}"
-        if member.base in FLOATS:
-            return f"*map(NON_FINITE.get, {name}, {name})"
-        return f"*wholes({name})"
-
-    def _flush(self) -> None:
-        """Write the current run."""
-        if not self._run.slots:
-            return
-        source = self._source
-        for allowed, names in self._run.unchecked.items():
-            types = ", ".join(f"type({name})" for name in names)
-            with source.block(f"if not {allowed}.issuperset(({types},)):"):
-                source.line(_raise(allowed, f"({', '.join(names)},)"))
-        run = Run(self._run.slots, "<")
-        if self._residue is not None:
-            struct = run.at(self._residue)
-            packer = source.constant("PACK", struct.pack, struct.format)
-        else:
-            structs = run.at_all()
-            table = [struct.pack for struct in structs]
-            name = source.constant("PACK", table, structs[HEADER_BYTES].format)
-            packer = f"{name}[len(out) & {ALIGNMENTS - 1}]"
-        packed = f"{packer}({', '.join(self._run.values)})"
-        source.line(f"out += {packed}" if self._is_begun else f"out = bytearray({packed})")
-        self._is_begun = True
-        self._residue = run.residue_after(self._residue)
-        self._run = _Run()
-
-
-def _allowed(base: str) -> str:
-    """Return the name of the set of Python's types for a primitive."""
-    if base in FLOATS:
-        return "NUMBERS"
-    return "BOOLS" if base == "bool" else "INTEGERS"
-
-
-def _raise(allowed: str, values: str) -> str:
-    return "raise Misfit" if allowed == "BOOLS" else f"raise misfit({values}, LENIENT_{allowed})"
