@@ -1,14 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The types of the command line's arguments: each takes a word, or refuses it in words."""
+"""The kinds of the command line's arguments, and their types, which refuse a word in words."""
 
 import argparse
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, TypeAlias
 
 from gateway.config.domain_id import DOMAIN_ID_EXPECTATION, is_domain_id
 from schemas.assembly_name import EXPECTATION, is_assembly_name
 
 MAX_TIMEOUT_S: Final = 600
+
+# its only name: a parser, or a group of its arguments
+Group: TypeAlias = "argparse._ActionsContainer"  # noqa: SLF001
+
+
+def option(group: Group, name: str, metavar: str, text: str, **more: Any) -> None:
+    """Add an argument with a value."""
+    group.add_argument(name, metavar=metavar, help=text, **more)
+
+
+def several(group: Group, flag: str, metavar: str, text: str, **more: Any) -> None:
+    """Add a flag that may be given several times."""
+    option(group, flag, metavar, f"{text} (repeatable)", action="append", default=[], **more)
+
+
+def switch(group: Group, flag: str, text: str) -> None:
+    """Add a flag without a value."""
+    group.add_argument(flag, action="store_true", help=text)
 
 
 def assembly_name(text: str) -> str:

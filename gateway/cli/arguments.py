@@ -7,19 +7,25 @@ import sys
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
-from gateway.cli.argument_types import domain_id, seconds
+from gateway.cli.argument_types import domain_id, option, seconds, several, switch
 from gateway.cli.type_arguments import AddCommand, add_commands_about_types
 from gateway.codec.error_text import misspelt, suggestion
 from gateway.errors import UsageError
 
 ROLES: Final = ("viewer", "operator", "admin")  # `gateway.config.access` would import pydantic
 
+_CONFIG: Final = "TOML file (default: $ROS2_GATEWAY_CONFIG)"
+_DOMAIN_ID: Final = "DDS domain (default: ROS_DOMAIN_ID, or else 0)"
+_TWIST_STAMPED: Final = (
+    "take commands as TwistStamped, as ros2_control does since Jazzy, instead of Twist"
+)
+
 # Settings that have a flag. Every other setting goes through --set.
 CONFIG_FLAGS: Final = {
     "--host": ("host", "ADDRESS", "address to listen on (default 127.0.0.1: only this machine)"),
     "--port": ("port", "PORT", "TCP port, 0 for any free one (default 9090)"),
     "--path": ("path", "PATH", "path of the WebSocket (default /)"),
-    "--domain-id": ("ros.domain_id", "ID", "DDS domain (default: ROS_DOMAIN_ID, or else 0)"),
+    "--domain-id": ("ros.domain_id", "ID", _DOMAIN_ID),
     "--node-prefix": ("ros.node_prefix", "NAME", "first part of the names of the gateway's nodes"),
     "--namespace": ("ros.namespace", "/NAME", "namespace of the gateway's nodes"),
     "--log-level": ("log.level", "LEVEL", "debug, info, warning or error (default info)"),
@@ -82,78 +88,11 @@ def argument_parser() -> argparse.ArgumentParser:
         added.add_argument("--debug", action="store_true", help="show tracebacks of errors")
         return added
 
-    _add_serve(
-        command(
-            "serve",
-            "serve the topics of this ROS 2 system",
-            "  ros2-gateway serve                         to programs on this machine\n"
-            "  ros2-gateway serve --lan                   to the network, by token\n"
-            "  ros2-gateway serve --config gateway.toml   as a file says\n"
-            "  ROS2_GATEWAY_PORT=8080 ros2-gateway serve  as the environment says",
-        )
-    )
-    _add_demo(
-        command(
-            "demo",
-            "serve the topics of a simulated robot, which runs along",
-            "  ros2-gateway demo\n  ros2-gateway demo --lan --port 8080\n"
-            "  ros2-gateway demo --namespace /robot1   also for the names and frames of the robot",
-        )
-    )
-    _add_sim(
-        command(
-            "sim",
-            "run the simulated robot alone",
-            "  ros2-gateway sim\n  ros2-gateway sim --no-camera --domain-id 7",
-        )
-    )
-    _add_mock(
-        command(
-            "mock",
-            "publish made-up messages of every type, and print what arrives",
-            "  ros2-gateway mock\n"
-            "  ros2-gateway mock --rate 10 --type std_msgs/msg/String --type 9\n"
-            "  ros2-gateway mock --no-publish",
-        )
-    )
-    add_commands_about_types(command)
-    _add_commands_about_configuration(command)
-    _add_find(
-        command(
-            "find",
-            "list the gateways on this network",
-            "  ros2-gateway find\n  ros2-gateway find --wait 5",
-        )
-    )
+    for add in (_add_serve, _add_demo, _add_sim, _add_mock, add_commands_about_types):
+        add(command)
+    for add in (_add_check_config, _add_token, _add_cert, _add_find):
+        add(command)
     return parser
-
-
-def _add_commands_about_configuration(command: AddCommand) -> None:
-    _add_check_config(
-        command(
-            "check-config",
-            "check the configuration",
-            "  ros2-gateway check-config gateway.toml\n"
-            "  ros2-gateway check-config --keys      all settings, as Markdown",
-        )
-    )
-    _add_token(
-        command(
-            "token",
-            "make, list or revoke the tokens of clients",
-            "  ros2-gateway token create tablet                  an operator\n"
-            "  ros2-gateway token create wall --role viewer\n"
-            "  ros2-gateway token list\n"
-            "  ros2-gateway token revoke tablet",
-        )
-    )
-    _add_cert(
-        command(
-            "cert",
-            "make a certificate for wss://, signed by this machine itself",
-            "  ros2-gateway cert\n  ros2-gateway cert --name robot.lan --folder /etc/gateway",
-        )
-    )
 
 
 class _Parser(argparse.ArgumentParser):
@@ -199,28 +138,27 @@ def _add_configuration(parser: argparse.ArgumentParser) -> None:
         "which beats the file, which beats the default. 'ros2-gateway check-config --keys'\n"
         "lists all settings.",
     )
-    group.add_argument(
-        "--config", type=Path, metavar="FILE", help="TOML file (default: $ROS2_GATEWAY_CONFIG)"
-    )
+    option(group, "--config", "FILE", _CONFIG, type=Path)
     for flag, (key, metavar, text) in CONFIG_FLAGS.items():
         group.add_argument(flag, dest=key, metavar=metavar, help=text)
     for flag, (key, value, text) in CONFIG_SWITCHES.items():
         group.add_argument(flag, dest=key, action="store_const", const=value, help=text)
-    group.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="any setting, such as limits.max_clients=64 (repeatable)",
-    )
-    group.add_argument(
-        "--print-config",
-        action="store_true",
-        help="print the configuration as TOML, and where each value came from, instead of serving",
+    several(group, "--set", "KEY=VALUE", "any setting, such as limits.max_clients=64")
+    switch(
+        *(group, "--print-config"),
+        "print the configuration as TOML, and where each value came from, instead of serving",
     )
 
 
-def _add_serve(parser: argparse.ArgumentParser) -> None:
+def _add_serve(command: AddCommand) -> None:
+    parser = command(
+        "serve",
+        "serve the topics of this ROS 2 system",
+        "  ros2-gateway serve                         to programs on this machine\n"
+        "  ros2-gateway serve --lan                   to the network, by token\n"
+        "  ros2-gateway serve --config gateway.toml   as a file says\n"
+        "  ROS2_GATEWAY_PORT=8080 ros2-gateway serve  as the environment says",
+    )
     # for who writes a source: docs/contributing/adding-a-source.md
     parser.add_argument("--source", metavar="MODULE:FUNCTION", help=argparse.SUPPRESS)
     # for who writes a front: docs/contributing/adding-a-front.md
@@ -230,116 +168,102 @@ def _add_serve(parser: argparse.ArgumentParser) -> None:
     _add_configuration(parser)
 
 
-def _add_demo(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--no-browser", action="store_true", help="open no page, also on a desktop")
-    _add_twist_stamped(parser.add_argument_group("robot"))
+def _add_demo(command: AddCommand) -> None:
+    parser = command(
+        "demo",
+        "serve the topics of a simulated robot, which runs along",
+        "  ros2-gateway demo\n  ros2-gateway demo --lan --port 8080\n"
+        "  ros2-gateway demo --namespace /robot1   also for the names and frames of the robot",
+    )
+    switch(parser, "--no-browser", "open no page, also on a desktop")
+    switch(parser.add_argument_group("robot"), "--twist-stamped", _TWIST_STAMPED)
     _add_configuration(parser)
 
 
-def _add_sim(parser: argparse.ArgumentParser) -> None:
-    _add_domain_id(parser)
-    parser.add_argument(
-        "--namespace", default="", metavar="/NAME", help="of the robot's node, topics and frames"
+def _add_sim(command: AddCommand) -> None:
+    parser = command(
+        "sim",
+        "run the simulated robot alone",
+        "  ros2-gateway sim\n  ros2-gateway sim --no-camera --domain-id 7",
     )
-    parser.add_argument("--no-camera", action="store_true", help="draw no pictures")
-    parser.add_argument(
-        "--camera-hz", type=float, default=30.0, metavar="HZ", help="pictures a second (default 30)"
-    )
+    option(parser, "--domain-id", "ID", _DOMAIN_ID, type=domain_id)
+    option(parser, "--namespace", "/NAME", "of the robot's node, topics and frames", default="")
+    switch(parser, "--no-camera", "draw no pictures")
+    option(parser, "--camera-hz", "HZ", "pictures a second (default 30)", type=float, default=30.0)
     parser.add_argument("--seed", type=int, help="of slip and noise (default: another each time)")
-    _add_twist_stamped(parser)
-    parser.add_argument(
-        "--until-stdin-closes",
-        action="store_true",
-        help="end when standard input closes, and so with the process that holds it open",
+    switch(parser, "--twist-stamped", _TWIST_STAMPED)
+    switch(
+        *(parser, "--until-stdin-closes"),
+        "end when standard input closes, and so with the process that holds it open",
     )
 
 
-def _add_twist_stamped(parser: argparse._ActionsContainer) -> None:
-    parser.add_argument(
-        "--twist-stamped",
-        action="store_true",
-        help="take commands as TwistStamped, as ros2_control does since Jazzy, instead of Twist",
+def _add_mock(command: AddCommand) -> None:
+    parser = command(
+        "mock",
+        "publish made-up messages of every type, and print what arrives",
+        "  ros2-gateway mock\n"
+        "  ros2-gateway mock --rate 10 --type std_msgs/msg/String --type 9\n"
+        "  ros2-gateway mock --no-publish",
     )
+    option(parser, "--domain-id", "ID", _DOMAIN_ID, type=domain_id)
+    option(parser, "--rate", "HZ", "messages a second of each type", type=float, default=1.0)
+    several(parser, "--type", "TYPE", "only this type, by name or number")
+    switch(parser, "--no-publish", "only print what arrives")
+    switch(parser, "--no-listen", "only publish")
 
 
-def _add_domain_id(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--domain-id",
-        type=domain_id,
-        metavar="ID",
-        help="DDS domain (default: ROS_DOMAIN_ID, or else 0)",
+def _add_find(command: AddCommand) -> None:
+    parser = command(
+        "find",
+        "list the gateways on this network",
+        "  ros2-gateway find\n  ros2-gateway find --wait 5",
     )
+    wait = "seconds to listen for answers (default 1.5)"
+    option(parser, "--wait", "SECONDS", wait, type=seconds, default=1.5)
 
 
-def _add_mock(parser: argparse.ArgumentParser) -> None:
-    _add_domain_id(parser)
-    parser.add_argument(
-        "--rate", type=float, default=1.0, metavar="HZ", help="messages a second of each type"
+def _add_check_config(command: AddCommand) -> None:
+    parser = command(
+        "check-config",
+        "check the configuration",
+        "  ros2-gateway check-config gateway.toml\n"
+        "  ros2-gateway check-config --keys      all settings, as Markdown",
     )
-    parser.add_argument(
-        "--type",
-        action="append",
-        default=[],
-        metavar="TYPE",
-        help="only this type, by name or number (repeatable)",
-    )
-    parser.add_argument("--no-publish", action="store_true", help="only print what arrives")
-    parser.add_argument("--no-listen", action="store_true", help="only publish")
+    config = "TOML file (default: $ROS2_GATEWAY_CONFIG, if set)"
+    option(parser, "file", "FILE", config, nargs="?", type=Path)
+    switch(parser, "--keys", "print all settings with their defaults and meanings")
 
 
-def _add_find(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--wait",
-        type=seconds,
-        default=1.5,
-        metavar="SECONDS",
-        help="seconds to listen for answers (default 1.5)",
+def _add_token(command: AddCommand) -> None:
+    parser = command(
+        "token",
+        "make, list or revoke the tokens of clients",
+        "  ros2-gateway token create tablet                  an operator\n"
+        "  ros2-gateway token create wall --role viewer\n"
+        "  ros2-gateway token list\n"
+        "  ros2-gateway token revoke tablet",
     )
-
-
-def _add_check_config(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "file",
-        nargs="?",
-        type=Path,
-        metavar="FILE",
-        help="TOML file (default: $ROS2_GATEWAY_CONFIG, if set)",
-    )
-    parser.add_argument(
-        "--keys", action="store_true", help="print all settings with their defaults and meanings"
-    )
-
-
-def _add_token(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--config", type=Path, metavar="FILE", help="TOML file (default: $ROS2_GATEWAY_CONFIG)"
-    )
-    parser.add_argument(
-        "--file", type=Path, metavar="FILE", help="token file (default: as configured)"
-    )
+    option(parser, "--config", "FILE", _CONFIG, type=Path)
+    option(parser, "--file", "FILE", "token file (default: as configured)", type=Path)
     commands = parser.add_subparsers(dest="token_command", metavar="ACTION", required=True)
     create = commands.add_parser("create", help="make a token, shown once", allow_abbrev=False)
-    create.add_argument("name", metavar="NAME", help="such as tablet: letters, digits and . _ -")
+    option(create, "name", "NAME", "such as tablet: letters, digits and . _ -")
     create.add_argument(
         "--role", choices=ROLES, default="operator", help="its permissions (default operator)"
     )
     commands.add_parser("list", help="list names, roles and dates", allow_abbrev=False)
     revoke = commands.add_parser("revoke", help="revoke a token", allow_abbrev=False)
-    revoke.add_argument("name", metavar="NAME", help="name of the token")
+    option(revoke, "name", "NAME", "name of the token")
 
 
-def _add_cert(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--name",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="a further host name or address of this machine (repeatable)",
+def _add_cert(command: AddCommand) -> None:
+    parser = command(
+        "cert",
+        "make a certificate for wss://, signed by this machine itself",
+        "  ros2-gateway cert\n  ros2-gateway cert --name robot.lan --folder /etc/gateway",
     )
-    parser.add_argument(
-        "--folder",
-        type=Path,
-        metavar="FOLDER",
-        help="where to write cert.pem and key.pem (default: next to the token file)",
-    )
-    parser.add_argument("--replace", action="store_true", help="replace files that exist")
+    several(parser, "--name", "NAME", "a further host name or address of this machine")
+    where = "where to write cert.pem and key.pem (default: next to the token file)"
+    option(parser, "--folder", "FOLDER", where, type=Path)
+    switch(parser, "--replace", "replace files that exist")

@@ -228,7 +228,6 @@ def _check_config(arguments: argparse.Namespace) -> int:
         print(reference(), end="")
         return EXIT_OK
     loaded = load(environment=os.environ, file=arguments.file)
-    loaded.warn()
     posture_of(loaded.config)  # an error if values contradict each other
     read_access(_without_own_certificate(loaded.config))
     if paths := loaded.config.types.paths:

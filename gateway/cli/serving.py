@@ -120,7 +120,6 @@ def _run_gateway(
         require_rclpy()
     from gateway import app
 
-    loaded.warn()
     return app.run(
         _with_certificate(loaded.config),
         announce=partial(_announce, loaded.config, hint, opens_page),
