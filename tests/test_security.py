@@ -56,12 +56,12 @@ def test_a_first_token_is_made_once_of_an_operator_and_kept_as_a_hash(path: Path
     with open_security(config()) as security:
         first = security.new_token
         assert first is not None
-        identity = security.authentication.identify(first, "a", 0.0)
+        identity = security.authentication.identify(first)
         assert (identity.name, identity.role) == ("first", "operator")
     assert first not in path.read_text()
     with open_security(config()) as security:
         assert security.new_token is None
-        assert security.authentication.identify(first, "a", 0.0).name == "first"
+        assert security.authentication.identify(first).name == "first"
 
 
 def test_no_token_is_created_if_clients_need_none(path: Path):
@@ -77,7 +77,7 @@ def test_a_place_that_cannot_be_written_leaves_the_gateway_closed_and_running(
     with open_security(config()) as security:
         assert security.authentication.anonymous is None
         assert security.new_token is not None
-        assert security.authentication.identify(security.new_token, "a", 0.0).name == "first"
+        assert security.authentication.identify(security.new_token).name == "first"
     assert "valid until the gateway ends" in caplog.text
     assert security.new_token not in caplog.text
 

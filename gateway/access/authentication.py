@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Identities of clients, by their tokens or without one."""
 
-from gateway.access.failed_attempts import MAX_FAILURES, WINDOW_S, FailedAttempts
 from gateway.access.permissions import Identity, Policy
 from gateway.access.tokens import Tokens
 from gateway.config.access import Role
@@ -10,11 +9,7 @@ ANONYMOUS = "anonymous"
 
 
 class AuthenticationError(Exception):
-    """Raised when a token is not valid. *is_abuse* if its address has sent too many of them."""
-
-    def __init__(self, reason: str, *, is_abuse: bool = False) -> None:
-        super().__init__(reason)
-        self.is_abuse = is_abuse
+    """Raised when a token is not valid."""
 
 
 class Authentication:
@@ -27,7 +22,6 @@ class Authentication:
         self.tokens = tokens
         self.policy = policy
         self._anonymous_role = anonymous_role
-        self._failed = FailedAttempts()
 
     def replace(self, tokens: Tokens, policy: Policy | None = None) -> None:
         """Use other tokens from now on, and another policy."""
@@ -57,24 +51,19 @@ class Authentication:
         anonymous = self.anonymous
         return anonymous is None or not anonymous.permissions.is_unlimited
 
-    def identify(self, token: str, address: str, now_s: float) -> Identity:
+    def identify(self, token: str) -> Identity:
         """Return the identity of the client with this token.
 
-        A valid token passes, no matter how many wrong ones its address has sent. Other clients
-        behind the same router or proxy must not lock it out, and nobody can find a token by trying.
+        Wrong ones of its address are not counted. Other clients behind the same router or proxy
+        must not lock it out, and nobody can find a token by trying.
 
         Raises:
             AuthenticationError: the token is not valid.
         """
         found = self.tokens.find(token)
-        if found is not None:
-            return Identity(found.name, self.policy.of(found.role), found.digest)
-        if self._failed.add(address, now_s):
-            raise AuthenticationError(
-                f"more than {MAX_FAILURES} wrong tokens from this address within {WINDOW_S:g} s",
-                is_abuse=True,
-            )
-        raise AuthenticationError("the token is wrong")
+        if found is None:
+            raise AuthenticationError("the token is wrong")
+        return Identity(found.name, self.policy.of(found.role), found.digest)
 
     def current(self, identity: Identity) -> Identity | None:
         """Return who a client is after a reload, or ``None`` if its token was revoked."""

@@ -7,7 +7,6 @@ Other settings have their defaults. Every error names the flag, the variable, or
 import contextlib
 import difflib
 import json
-import logging
 import reprlib
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -23,29 +22,15 @@ from gateway.config.model import Config
 from gateway.config.section import Section
 from gateway.errors import ConfigError, system_reason
 
-logger = logging.getLogger(__name__)
-
 PREFIX: Final = "ROS2_GATEWAY_"
 FILE_VARIABLE: Final = "ROS2_GATEWAY_CONFIG"
 # of clients: `ros2-gateway generate --from` shows it to a gateway
 TOKEN_VARIABLE: Final = "ROS2_GATEWAY_TOKEN"  # noqa: S105  # a name
 
-# settings of former versions, and their replacements
-_REPLACED: Final = {
-    "limits.operations_per_s": "limits.client_time_share: the gateway limits time, not counts",
-    "limits.operation_burst": "limits.client_time_share: the gateway limits time, not counts",
-}
-# settings without a meaning, which must not prevent a start
-_IGNORED: Final = {
-    "limits.ping_timeout_s": "a client that answers no ping stays connected",
-}
-
 
 def _variable(key: str) -> str:
     return PREFIX + key.replace(".", "__").upper()
 
-
-_REPLACED_VARIABLES: Final = {_variable(key): text for key, text in _REPLACED.items()}
 
 _DEFAULT: Final = "default"
 _JSON_TYPES: Final = {
@@ -125,12 +110,6 @@ class Loaded(NamedTuple):
 
     config: Config
     origins: Mapping[str, str]
-    ignored: Sequence[str] = ()  # a sentence for each setting that is ignored
-
-    def warn(self) -> None:
-        """Log the settings that are ignored."""
-        for text in self.ignored:
-            logger.warning("%s", text)
 
 
 def settings(section: type[Section] = Config, prefix: str = "") -> Iterator[Setting]:
@@ -159,17 +138,12 @@ def load(
     values: dict[str, object] = {}
     origins = dict.fromkeys(known, _DEFAULT)
     problems: list[str] = []
-    ignored: list[str] = []
     for given in [
         *(() if file is None else _from_file(file, known, problems)),
         *_from_environment(environment, known, problems),
         *flags,
     ]:
         setting = known.get(given.key)
-        if given.key in _IGNORED:
-            why = _IGNORED[given.key]
-            ignored.append(f"{given.source}: {given.key} is ignored, because {why}: remove it")
-            continue
         if setting is None:
             sections = dict.fromkeys(key.partition(".")[0] for key in known)
             hint = _hint(given.key, [*known, *sections])
@@ -182,7 +156,7 @@ def load(
         origins[given.key] = given.source
     if problems:
         raise ConfigError(*problems)
-    return Loaded(Config.model_validate(_nested(values)), origins, ignored)
+    return Loaded(Config.model_validate(_nested(values)), origins)
 
 
 def to_toml(loaded: Loaded) -> str:
@@ -234,7 +208,7 @@ def _flattened(
 def _from_environment(
     environment: Mapping[str, str], known: Mapping[str, Setting], problems: list[str]
 ) -> Iterator[Given]:
-    by_variable = {_variable(key): key for key in [*known, *_IGNORED]}
+    by_variable = {_variable(key): key for key in known}
     for variable, value in sorted(environment.items()):
         if variable in by_variable:
             yield Given(by_variable[variable], value, variable)
@@ -244,9 +218,6 @@ def _from_environment(
 
 
 def _hint(name: str, known: Iterable[str]) -> str:
-    replaced = _REPLACED.get(name) or _REPLACED_VARIABLES.get(name)
-    if replaced is not None:
-        return f", it is replaced by {replaced}"
     close = difflib.get_close_matches(name, known, n=1)
     return f", did you mean {close[0]}" if close else ""
 

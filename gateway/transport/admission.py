@@ -253,12 +253,11 @@ class Admission:
 
     def _identify(self, address: str, token: str, client: str | None) -> Identity:
         try:
-            return self._authentication.identify(token, address, time.monotonic())
+            return self._authentication.identify(token)
         except AuthenticationError as error:
-            self.failures["abuse" if error.is_abuse else "wrong"] += 1
+            self.failures["wrong"] += 1
             self._audit.record("refused", client=client, address=address, reason=str(error))
-            close_code = POLICY_VIOLATION if error.is_abuse else UNAUTHENTICATED
-            raise TurnedAwayError(close_code, "forbidden", str(error)) from error
+            raise TurnedAwayError(UNAUTHENTICATED, "forbidden", str(error)) from error
 
     def _check_room(self, entrant: Entrant) -> None:
         reason = self._room_for(entrant)

@@ -32,7 +32,7 @@ def test_without_sources_everything_is_default():
 def test_a_flag_beats_the_environment_which_beats_the_file_which_beats_the_default(tmp_path):
     path = toml(tmp_path, 'port = 1\nhost = "file"\n[limits]\nmax_clients = 3\n')
     environment = {"ROS2_GATEWAY_PORT": "2", "ROS2_GATEWAY_HOST": "environment"}
-    config, origins, _ = load([Given("port", "4", "--port")], environment, path)
+    config, origins = load([Given("port", "4", "--port")], environment, path)
     assert (config.port, config.host, config.limits.max_clients) == (4, "environment", 3)
     assert config.path == "/"
     assert origins["port"] == "--port"
@@ -48,28 +48,6 @@ def test_the_environment_names_the_file_unless_a_flag_does(tmp_path):
     environment = {"ROS2_GATEWAY_CONFIG": str(path)}
     assert load(environment=environment).config.port == 1
     assert load(environment=environment, file=other).config.port == 2
-
-
-@pytest.mark.parametrize("key", ["limits.operations_per_s", "limits.operation_burst"])
-def test_a_setting_of_former_versions_is_refused_with_its_replacement(key, tmp_path):
-    path = toml(tmp_path, f"[limits]\n{key.partition('.')[2]} = 200")
-    variable = "ROS2_GATEWAY_" + key.replace(".", "__").upper()
-    hint = "it is replaced by limits.client_time_share: the gateway limits time, not counts"
-    with pytest.raises(ConfigError) as caught:
-        load([Given(key, "200", f"--set {key}")], {variable: "200"}, path)
-    assert caught.value.problems == (
-        f"unknown environment variable {variable}, {hint}",
-        f"{path}: unknown setting {key}, {hint}",
-        f"--set {key}: unknown setting {key}, {hint}",
-    )
-
-
-def test_a_setting_without_a_meaning_does_not_prevent_a_start(tmp_path, caplog):
-    path = toml(tmp_path, "[limits]\nping_timeout_s = 5")
-    key, variable = "limits.ping_timeout_s", "ROS2_GATEWAY_LIMITS__PING_TIMEOUT_S"
-    load([Given(key, "5", f"--set {key}")], {variable: "5"}, path).warn()
-    why = f"{key} is ignored, because a client that answers no ping stays connected: remove it"
-    assert caplog.messages == [f"{source}: {why}" for source in (path, variable, f"--set {key}")]
 
 
 @pytest.mark.parametrize("value", ["10.0.0.1/8", "proxy.example", "10.0.0.0/40", "x"])

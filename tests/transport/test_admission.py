@@ -367,14 +367,14 @@ async def test_a_full_gateway_also_refuses_clients_with_a_token(serve: Serve):
             assert await closing(third) == full
 
 
-async def test_many_wrong_tokens_are_abuse_and_a_right_one_passes_all_the_same(serve: Serve):
+async def test_each_wrong_token_is_refused_and_a_right_one_passes_all_the_same(serve: Serve):
     door = Door(serve)
     async with door.open() as served:
         codes = []
         for _ in range(12):
             async with client(served.url, additional_headers=bearer("wrong")) as speaker:
                 codes.append((await closing(speaker))[0])
-        assert codes == [4401] * 10 + [1008] * 2
+        assert codes == [4401] * 12
         async with client(served.url, additional_headers=bearer(OPERATORS)) as speaker:
             assert await role_of(speaker) == "operator"
 
