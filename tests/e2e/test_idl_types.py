@@ -46,12 +46,12 @@ async def answer(speaker: Client, op: str) -> Frame:
     return await speaker.receive(lambda frame: frame["op"] == op)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 async def test_messages_of_a_robot_reach_a_client(seed: int, speaker: Client, outside: Outside):
     await BothWays(TRACK, speaker, outside).to_a_client(seed)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 async def test_messages_of_a_client_reach_a_robot(seed: int, speaker: Client, outside: Outside):
     await BothWays(TRACK, speaker, outside).to_a_robot(seed)
 

@@ -3,9 +3,10 @@
 
 import asyncio
 import contextlib
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
 
 import pytest
+import pytest_asyncio
 from rclpy.qos import QoSProfile
 from rclpy.service_introspection import ServiceIntrospectionState
 from std_srvs.srv import SetBool
@@ -18,7 +19,16 @@ from tests.sources.outside import Outside
 ACTION, SERVICE = "/fib", "/arm"
 
 
-@pytest.fixture
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def url() -> AsyncIterator[str]:
+    async with gateway_process("serve") as gateway:
+        yield gateway.url
+
+
+@pytest.fixture(scope="module")
 def robot() -> Iterator[Robot]:
     outside = Outside("robot")
     robot = Robot(outside)
@@ -58,10 +68,10 @@ def robot() -> Iterator[Robot]:
 )
 @pytest.mark.parametrize("is_named", [False, True])
 async def test_topics_of_an_action_or_a_service_are_read(
-    robot, topic, type_name, operation, fields, is_named
+    url, robot, topic, type_name, operation, fields, is_named
 ):
     named = {"type": type_name} if is_named else {}
-    async with gateway_process("serve") as gateway, client(gateway.url) as reader:
+    async with client(url) as reader:
         await reader.send(op="subscribe", topic=topic, **named)
 
         async def ask() -> None:  # until discovery has both ends

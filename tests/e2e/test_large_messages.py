@@ -11,14 +11,11 @@ import cbor2
 import pytest
 from websockets.asyncio.client import connect
 
-from gateway.codec.json_slices import json_slices
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
-from gateway.core.topics import encoding as encoding_module
-from gateway.core.topics import slices
 from gateway.sources.source import Qos
 from schemas.installed import InstalledDefinitions
-from tests.client import TIMEOUT_S, client
+from tests.client import TIMEOUT_S
 from tests.gateway_here import gateway_here
 from tests.sources.outside import Outside
 
@@ -33,53 +30,6 @@ def outside() -> Iterator[Outside]:
     outside = Outside()
     yield outside
     outside.close()
-
-
-async def test_a_late_client_gets_the_same_map_without_another_encoding(
-    outside: Outside, monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setattr(slices, "TURN_NS", 0)  # so that the loop has a turn after each step
-    encoded: list[Any] = []
-
-    def counting(value: Any, write: Any) -> Iterator[bytes]:
-        encoded.append(value)
-        return json_slices(value, write)
-
-    monkeypatch.setattr(encoding_module, "json_slices", counting)
-    types = Types(InstalledDefinitions())
-    publisher = outside.add_publisher("/map", GRID, LATCHED)
-    publisher.publish(types.get(GRID).encode({"data": CELLS}, now_ns=0))
-    async with gateway_here(Limits()) as url, client(url) as early:
-        await early.send(op="subscribe", topic="/map", type=GRID)
-        assert (await early.message("/map"))["data"] == CELLS
-        for meta in (False, True):
-            async with client(url) as late:
-                await late.send(op="subscribe", topic="/map", type=GRID, meta=meta)
-                assert (await late.message("/map"))["data"] == CELLS
-    assert len(encoded) == 1
-
-
-async def test_a_second_listener_on_a_connection_also_gets_the_map(outside: Outside):
-    types = Types(InstalledDefinitions())
-    publisher = outside.add_publisher("/map", GRID, LATCHED)
-    publisher.publish(types.get(GRID).encode({"data": CELLS[:9]}, now_ns=0))
-    async with gateway_here(Limits()) as url, client(url) as page:
-        for request_id in ("a", "b", "c"):
-            await page.send(op="subscribe", id=request_id, topic="/map", type=GRID)
-            assert (await page.message("/map"))["data"] == CELLS[:9]
-
-
-async def test_a_map_as_a_picture_is_far_smaller(outside: Outside):
-    types = Types(InstalledDefinitions())
-    publisher = outside.add_publisher("/map", GRID, LATCHED)
-    info = {"width": 1000, "height": 900}
-    cells = sorted(CELLS)  # few edges, as in a building
-    publisher.publish(types.get(GRID).encode({"info": info, "data": cells}, now_ns=0))
-    async with gateway_here(Limits()) as url, client(url) as viewer:
-        await viewer.send(op="subscribe", topic="/map", type=GRID, image={"format": "png"})
-        message = await viewer.message("/map")
-    assert (message["width"], message["height"], message["info"]["width"]) == (1000, 900, 1000)
-    assert len(message["data"]) < len(cells) // 10
 
 
 async def test_a_large_picture_comes_in_each_form(outside: Outside):

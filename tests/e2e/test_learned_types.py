@@ -76,6 +76,18 @@ def robot(tmp_path: Path) -> Iterator[Robot]:
         yield robot
 
 
+async def test_a_topic_of_a_type_that_comes_with_the_gateway_works_both_ways(speaker: Client):
+    hypothesis = {"hypothesis": {"class_id": "cup", "score": 0.75}}
+    sent = {"results": [hypothesis], "id": "7", "bbox": {"size_x": 1.5}}
+    about = {"topic": "/detections", "type": "vision_msgs/msg/Detection2DArray"}
+    await speaker.send(op="subscribe", **about)
+    await speaker.send(op="advertise", qos={"durability": "transient_local"}, **about)
+    await speaker.send(op="publish", msg={"detections": [sent]}, **about)
+    (heard,) = (await speaker.message("/detections"))["detections"]
+    assert heard["results"][0]["hypothesis"] == hypothesis["hypothesis"]
+    assert (heard["id"], heard["bbox"]["size_x"]) == ("7", 1.5)
+
+
 @needs_packages
 @unless_keyed
 @pytest.mark.parametrize("seed", range(2))

@@ -10,7 +10,7 @@ import pytest
 import pytest_asyncio
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from std_msgs.msg import Int32, String
+from std_msgs.msg import String
 
 from tests.client import TIMEOUT_S, Client, Frame, client, eventually
 from tests.gateway_process import GatewayProcess, gateway_process
@@ -149,43 +149,6 @@ async def test_a_publisher_that_returns_with_a_weaker_offer_is_followed(
     )
     asked = await robot.asked()
     assert (asked.reliability, asked.durability) == (BEST_EFFORT, VOLATILE)
-
-
-async def test_a_publisher_that_returns_with_another_type_is_followed(
-    speaker: Client, robot: Robot, topic: str
-):
-    publisher = robot.publisher()
-    await speaker.send(op="subscribe", topic=topic)
-    await while_publishing(
-        lambda: publisher.publish(String(data="1")), until_data(speaker, topic, "1")
-    )
-    robot.remove(publisher)
-    successor = Outside("successor")  # a participant knows a topic by one type
-    try:
-        publisher = Robot(successor, topic).publisher(type_=Int32)
-        await while_publishing(
-            lambda: publisher.publish(Int32(data=2)), until_data(speaker, topic, 2)
-        )
-    finally:
-        successor.close()
-
-
-async def test_every_client_gets_the_retained_sample_of_every_publisher(
-    gateway: GatewayProcess, speaker: Client, robot: Robot, topic: str
-):
-    words = ["a", "b", "c"]
-    publishers = [robot.publisher(QoSProfile(depth=1, durability=LATCHED)) for _ in words]
-    for publisher, word in zip(publishers, words, strict=True):
-        publisher.publish(String(data="older"))
-        publisher.publish(String(data=word))
-    await speaker.send(op="subscribe", topic=topic, type=STRING)
-    heard: set[str] = set()
-    while heard < set(words):  # the publishers are discovered one after the other
-        heard |= {*await texts(speaker, topic, 1)}
-    async with client(gateway.url) as late:
-        await late.send(op="subscribe", topic=topic)
-        assert sorted(await texts(late, topic, 3)) == words
-        assert await late.sync() == []
 
 
 async def test_late_clients_get_what_a_late_node_of_ros_gets(
