@@ -11,7 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from schemas.definition import Definition, DefinitionError, FieldType, parse_definition
+from schemas.definition import Definition, DefinitionError, FieldType
+from schemas.definition_text import parse_definition
 from schemas.idl import parse_idl_message
 from schemas.type_hash import PLACEHOLDER, field_type_of, individual_description
 

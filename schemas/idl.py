@@ -11,16 +11,8 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
-from schemas.definition import (
-    CONSTANT_NAME,
-    FIELD_NAME,
-    INTEGER_RANGES,
-    STRINGS,
-    Constant,
-    Definition,
-    Field,
-    FieldType,
-)
+from schemas.definition import INTEGER_RANGES, STRINGS, Constant, Definition, Field, FieldType
+from schemas.definition_text import CONSTANT_NAME, FIELD_NAME
 from schemas.idl_reader import Annotations, IdlReader, fitting, unexpected
 from schemas.idl_tokens import IdlToken, PlaceError, shortened, with_place
 from schemas.interface import ROLES, SEPARATOR, Interface, Role, part_name

@@ -3,15 +3,8 @@
 
 from typing import Final
 
-from schemas.definition import (
-    FLOATS,
-    INTEGER_RANGES,
-    STRINGS,
-    FieldType,
-    Scalar,
-    Value,
-    text_misfit,
-)
+from schemas.definition import FLOATS, INTEGER_RANGES, STRINGS, FieldType, Scalar, Value
+from schemas.definition_text import text_misfit
 from schemas.idl_tokens import IdlToken, PlaceError, items, number, shortened, string, tokens
 
 MAX_SIZE: Final = 2**32 - 1  # of an array, a sequence or a string: CDR counts in 32 bits

@@ -17,11 +17,13 @@ from itertools import chain
 from pathlib import Path
 from typing import Final, Literal, get_args
 
-from schemas.definition import Definition, DefinitionError, FieldType, parse_definition
+from schemas.definition import Definition, DefinitionError
+from schemas.definition_text import parse_definition
 from schemas.folders import find_definitions
 from schemas.guess import MAX_GUESSED, guess, guess_text
 from schemas.idl import parse_idl_interface, parse_idl_message
 from schemas.interface import ROLES, Interface, InterfaceKind, Role, derive, parse_interface
+from schemas.type_size import TypeSize, size_of
 
 Kind = Literal["msg", "srv", "action"]
 
@@ -41,14 +43,8 @@ _EXPECTED: Final = {
     "action": "action type name: expected pkg/action/Name",
 }
 _IDL: Final = "idl"
-# In each message, by arrays of fixed length: a line can state any number, and each gets its room.
-MAX_VALUES: Final = 50_000
-# Of a type and all that it nests, each time that it does: each takes 60 us to compile, and the
-# largest public types, goals of MoveIt, have 700.
-MAX_FIELDS: Final = 2000
 # Of types within types: Python's parser and stack have their ends. ROS' own have 6 at most.
 MAX_NESTING: Final = 64
-_OCTETS_PER_VALUE: Final = 200  # so 10 MB, as a client may send
 MAX_TOLD: Final = 1024  # definitions, as many as types that are made
 MAX_DEFINITION_BYTES: Final = 256 * 1024  # the largest in use have 10 kB
 
@@ -200,11 +196,10 @@ class InstalledDefinitions:
 
         Raises:
             UnknownTypeError, DefinitionError: as for `get`. Also for a type that nests itself, or
-                nests others deeper than `MAX_NESTING`, has more than `MAX_FIELDS`, or of which each
-                message has more than `MAX_VALUES`.
+                nests others deeper than `MAX_NESTING`, or is larger than `size_of` allows.
         """
         ordered: dict[str, Definition] = {}
-        sizes: dict[str, _Size] = {}
+        sizes: dict[str, TypeSize] = {}
 
         def visit(name: str, within: tuple[str, ...]) -> None:
             if name in within:
@@ -215,7 +210,7 @@ class InstalledDefinitions:
                 definition = self.get(name)
                 for nested in definition.nested():
                     visit(nested, (*within, name))
-                sizes[name] = _size_of(definition, sizes)
+                sizes[name] = size_of(definition, sizes)
                 ordered[name] = definition
 
         for name in names:
@@ -313,44 +308,6 @@ class InstalledDefinitions:
                 if path.is_file():
                     return path
         return None
-
-
-@dataclass(frozen=True, slots=True)
-class _Size:
-    """The size of a type: the values that each message has at least, and the fields to compile."""
-
-    values: int
-    fields: int  # those of a nested type count each time, because codecs have each place of it
-
-
-def _size_of(definition: Definition, nested: Mapping[str, _Size]) -> _Size:
-    """Return the size of a type, given those of the types that it nests.
-
-    Raises:
-        DefinitionError: it is larger than `MAX_VALUES` or `MAX_FIELDS` allow.
-    """
-    name = definition.name
-    values = sum(_values_of(field.type, nested) for field in definition.fields)
-    inner = (nested[field.type.base] for field in definition.fields if field.type.base in nested)
-    fields = len(definition.fields) + sum(each.fields for each in inner)
-    if values > MAX_VALUES:
-        text = f"{name}: each message has over {MAX_VALUES} values, by its fixed arrays"
-        raise DefinitionError(text)
-    if fields > MAX_FIELDS:
-        raise DefinitionError(f"{name}: over {MAX_FIELDS} fields, nested ones included")
-    return _Size(values, fields)
-
-
-def _values_of(type_: FieldType, nested: Mapping[str, _Size]) -> int:
-    size = nested.get(type_.base)
-    each = 1 if size is None else size.values
-    if type_.is_sequence:
-        return 1
-    if type_.length is None:
-        return each
-    if type_.is_octets:
-        return type_.length // _OCTETS_PER_VALUE
-    return type_.length * max(1, each)  # also of an empty type
 
 
 def _roles_of(interface: str, kind: InterfaceKind | None = None) -> tuple[Role, ...]:

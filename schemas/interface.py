@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
 
-from schemas.definition import Definition, DefinitionError, Field, FieldType, parse_definition
+from schemas.definition import Definition, DefinitionError, Field, FieldType
+from schemas.definition_text import parse_definition
 
 InterfaceKind = Literal["srv", "action"]
 Role = Literal["request", "response", "goal", "result", "feedback"]

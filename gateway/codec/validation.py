@@ -22,8 +22,8 @@ from schemas.definition import (
     STRINGS,
     Definition,
     FieldType,
-    text_misfit,
 )
+from schemas.definition_text import text_misfit
 from schemas.installed import InstalledDefinitions
 from schemas.json_forms import (
     FORMS,

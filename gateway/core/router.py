@@ -45,7 +45,8 @@ from gateway.core.transforms.lookups import TransformLookups
 from gateway.core.transforms.republications import Republications
 from gateway.core.transforms.tf_listener import TfListener
 from gateway.metrics.state import ControlState, Traffic
-from gateway.sources.source import Graph, Source
+from gateway.sources.graph import Graph
+from gateway.sources.source import Source
 from schemas.table import Table
 
 

@@ -7,7 +7,7 @@ from typing import Final
 from gateway.core.errors import ProtocolError
 from gateway.core.requests import Request
 from gateway.core.session import Session
-from gateway.sources.source import ServerInfo
+from gateway.sources.graph import ServerInfo
 
 MAX_NAMED: Final = 4  # nodes of one name. A text for people
 

@@ -4,7 +4,8 @@
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
-from gateway.sources.source import Graph, RosGraph, ServerInfo, TopicInfo
+from gateway.sources.graph import Graph, ServerInfo, TopicInfo
+from gateway.sources.source import RosGraph
 
 Sees = Callable[[str], bool]
 

@@ -14,6 +14,7 @@ from typing import Final, Literal, NamedTuple, Protocol
 from gateway.codec.cdr import Cdr
 from gateway.faults import Fault
 from gateway.sources.actions import Actions
+from gateway.sources.graph import Graph
 from gateway.sources.guard import Guard
 from gateway.sources.services import Services
 from schemas.definition import Definition
@@ -108,35 +109,6 @@ class TopicEvent(NamedTuple):
             return self
         # no name has a blank in it, so this is the node
         return self._replace(problem=self.problem.replace(f" {self.node} ", " a node ", 1), node="")
-
-
-@dataclass(frozen=True, slots=True)
-class TopicInfo:
-    """A topic of the graph: its types (more than one is a conflict) and its endpoints."""
-
-    name: str
-    types: tuple[str, ...]  # pkg/msg/Name
-    publishers: tuple[str, ...]  # full node names, one entry per endpoint, sorted
-    subscribers: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class ServerInfo:
-    """A service or an action of the graph: its types, and the nodes that provide it."""
-
-    name: str
-    types: tuple[str, ...]  # pkg/srv/Name or pkg/action/Name
-    nodes: tuple[str, ...]  # full names, sorted, without those that several nodes share
-
-
-@dataclass(frozen=True, slots=True)
-class Graph:
-    """A snapshot of the ROS graph, sorted by name."""
-
-    topics: tuple[TopicInfo, ...]
-    nodes: tuple[str, ...]  # full names
-    services: tuple[ServerInfo, ...] = ()  # without those behind actions
-    actions: tuple[ServerInfo, ...] = ()
 
 
 class RosSubscription(Protocol):

@@ -12,7 +12,7 @@ from gateway.core.learned_types import LOOK_S
 from gateway.sources.rclpy import node_definitions
 from gateway.sources.rclpy.node_definitions import TypeHolder, _Silence
 from gateway.sources.services import ServiceRequest
-from schemas.definition import parse_definition
+from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions
 from schemas.type_hash import computed_type_hash, type_description
 from tests.client import TIMEOUT_S, eventually

@@ -11,8 +11,8 @@ import pytest
 import pytest_asyncio
 
 from gateway.codec.types import Types
-from gateway.sources.rclpy import made_types
-from gateway.sources.rclpy.made_types import MadeTypes
+from gateway.sources.rclpy.made_types import classes as made_types
+from gateway.sources.rclpy.made_types.classes import MadeTypes
 from schemas.installed import InstalledDefinitions
 from tests import interfaces
 from tests.cli.test_main import ros2_gateway

@@ -3,7 +3,7 @@
 
 from pathlib import Path
 
-from gateway.sources.rclpy.made_types import MAX_MADE
+from gateway.sources.rclpy.made_types.classes import MAX_MADE
 from tests.client import client
 from tests.gateway_process import ALL_TIME, gateway_process
 

@@ -3,7 +3,8 @@
 
 import pytest
 
-from schemas.definition import Constant, DefinitionError, Field, FieldType, parse_definition
+from schemas.definition import Constant, DefinitionError, Field, FieldType
+from schemas.definition_text import parse_definition
 
 
 def parse(text):

@@ -3,7 +3,8 @@
 
 import pytest
 
-from schemas.definition import DefinitionError, FieldType, parse_definition
+from schemas.definition import DefinitionError, FieldType
+from schemas.definition_text import parse_definition
 from schemas.idl import MAX_MODULES, parse_idl_interface, parse_idl_message
 from schemas.idl_tokens import MAX_CHARACTERS
 from schemas.installed import InstalledDefinitions, installed_prefixes

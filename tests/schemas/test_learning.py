@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from schemas import learning
-from schemas.definition import DefinitionError, parse_definition
+from schemas.definition import DefinitionError
+from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.learning import believed
 from schemas.type_hash import computed_type_hash

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A definition as the text of a .msg file."""
 
-from schemas.definition import Constant, Definition, Field, FieldType, parse_definition
+from schemas.definition import Constant, Definition, Field, FieldType
+from schemas.definition_text import parse_definition
 from schemas.msg_text import msg_text
 
 NAME = "some_msgs/msg/Thing"

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from schemas.definition import parse_definition
+from schemas.definition_text import parse_definition
 from schemas.described import described_definitions
 from schemas.idl import parse_idl_message
 from schemas.installed import InstalledDefinitions

@@ -15,7 +15,7 @@ from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.services import ServiceClient, ServiceRequest
 from gateway.sources.source import Publisher, Qos, Ros, Sample
-from schemas.definition import parse_definition
+from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions
 from tests.sources.fake import FakeRos
 from tests.sources.outside import Outside

@@ -14,6 +14,7 @@ from typing import Final, Self
 from gateway.codec.types import Types
 from gateway.faults import Fault
 from gateway.sources.actions import GoalRequest
+from gateway.sources.graph import Graph, ServerInfo, TopicInfo
 from gateway.sources.guard import Guard
 from gateway.sources.rclpy.name_checks import (
     TypeKind,
@@ -36,17 +37,15 @@ from gateway.sources.rclpy.qos import (
 from gateway.sources.services import ServiceRequest
 from gateway.sources.source import (
     MAX_TAKES_PER_TURN,
-    Graph,
     LogLevel,
     Origin,
     Qos,
     RosError,
     Sample,
-    ServerInfo,
     TopicEvent,
-    TopicInfo,
 )
-from schemas.definition import Definition, parse_definition
+from schemas.definition import Definition
+from schemas.definition_text import parse_definition
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.type_hash import type_description, type_hash

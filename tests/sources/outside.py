@@ -10,12 +10,12 @@ from rclpy.node import Node
 from gateway.sources.actions import GoalRequest
 from gateway.sources.rclpy.executor import ExecutorThread
 from gateway.sources.rclpy.interfaces import message_class
-from gateway.sources.rclpy.made_types import MadeTypes
+from gateway.sources.rclpy.made_types.classes import MadeTypes
 from gateway.sources.rclpy.profile import to_profile
 from gateway.sources.rclpy.qos import adopt, complete_offer
 from gateway.sources.services import ServiceRequest
 from gateway.sources.source import Qos, Sample
-from schemas.definition import parse_definition
+from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions
 from tests.sources.nodes import open_node
 from tests.sources.outside_actions import (

@@ -10,16 +10,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from gateway.config.model import Config
-from gateway.sources.source import (
-    MAX_TAKES_PER_TURN,
-    Graph,
-    Qos,
-    RosError,
-    Sample,
-    TopicEvent,
-    TopicInfo,
-)
-from schemas.definition import Definition, parse_definition
+from gateway.sources.graph import Graph, TopicInfo
+from gateway.sources.source import MAX_TAKES_PER_TURN, Qos, RosError, Sample, TopicEvent
+from schemas.definition import Definition
+from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions
 
 NODE = "/replay"

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import pytest
 
 from gateway.sources.source import MAX_TAKES_PER_TURN, Qos, RosError, Sample
-from schemas.definition import parse_definition
+from schemas.definition_text import parse_definition
 from schemas.type_hash import individual_description
 from tests.client import TIMEOUT_S, eventually
 from tests.sources.conftest import Robot

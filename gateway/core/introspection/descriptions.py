@@ -16,7 +16,7 @@ from gateway.core.introspection.examples import (
 )
 from gateway.core.session import Session
 from gateway.core.topic_types import TopicTypes
-from gateway.sources.source import Graph, ServerInfo, TopicInfo
+from gateway.sources.graph import Graph, ServerInfo, TopicInfo
 from schemas.definition import Definition
 from schemas.installed import InstalledDefinitions
 from schemas.interface import Interface

@@ -4,7 +4,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
-from gateway.sources.source import Graph, ServerInfo, TopicInfo
+from gateway.sources.graph import Graph, ServerInfo, TopicInfo
 
 
 def picture(graph: Graph, rates_hz: Mapping[str, float]) -> dict[str, Any]:

@@ -13,7 +13,8 @@ from gateway.core.ros_time import stamp
 from gateway.core.session import Session
 from gateway.core.topics.subscriptions import Subscriptions
 from gateway.core.visible_graph import visible
-from gateway.sources.source import Graph, Ros
+from gateway.sources.graph import Graph
+from gateway.sources.source import Ros
 
 SERVER_NAME = "ros2-json-gateway"
 PROTOCOL = "rosbridge 2.0"

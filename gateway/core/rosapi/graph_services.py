@@ -8,7 +8,8 @@ part that begins with ``_``, are not listed, but can be asked for.
 from collections.abc import Callable, Iterable, Mapping
 from typing import Final, TypeVar
 
-from gateway.sources.source import RosGraph, ServerInfo, TopicInfo
+from gateway.sources.graph import ServerInfo, TopicInfo
+from gateway.sources.source import RosGraph
 from schemas.installed import Kind
 
 ROSAPI_NODE: Final = "/rosapi"

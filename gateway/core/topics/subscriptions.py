@@ -26,7 +26,8 @@ from gateway.core.topics.subscription import EncodingKey, Feed, Subscription, To
 from gateway.core.topics.subscription_options import SubscriptionOptions, compression
 from gateway.core.topics.topic import Topic
 from gateway.metrics.state import ClientTopic, Delivery
-from gateway.sources.source import Graph, Ros, RosError
+from gateway.sources.graph import Graph
+from gateway.sources.source import Ros, RosError
 
 _NO_COMPRESSION = frozenset({None, "", "none"})
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, Final
 
 from gateway.access.permissions import Action
-from gateway.sources.source import Graph, TopicInfo
+from gateway.sources.graph import Graph, TopicInfo
 
 DOCS: Final = "run ros2-gateway --help on the gateway's computer: it names the documentation there"
 

@@ -15,10 +15,11 @@ from rclpy.qos import QoSProfile
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.sources.actions import ABORTED, CANCELED, SUCCEEDED, GoalResult
 from gateway.sources.rclpy.action_forms import ActionForm
-from gateway.sources.rclpy.endpoints import Endpoints, FindConflict, Requester
 from gateway.sources.rclpy.errors import refusals, remapped
 from gateway.sources.rclpy.goal_ids import goal_id_of, without_goal_id
 from gateway.sources.rclpy.interfaces import service_class
+from gateway.sources.rclpy.ready_events import Endpoints
+from gateway.sources.rclpy.requester import FindConflict, Requester
 from gateway.sources.rclpy.samples import Samples
 from gateway.sources.source import RosError, Sample
 

@@ -11,9 +11,9 @@ from typing import Any, Final, Protocol
 from rclpy.serialization import deserialize_message, serialize_message
 
 from gateway.sources.rclpy.goal_ids import goal_id_of, with_goal_id, without_goal_id
-from gateway.sources.rclpy.made_types import MadeAction
-from gateway.sources.rclpy.raw_messages import ENCAPSULATION_BYTES, RawMessage
-from gateway.sources.rclpy.realignment import Realignment
+from gateway.sources.rclpy.made_types.classes import MadeAction
+from gateway.sources.rclpy.made_types.raw_messages import ENCAPSULATION_BYTES, RawMessage
+from gateway.sources.rclpy.made_types.realignment import Realignment
 
 _HEADER: Final = b"\0\1\0\0"  # of little-endian CDR
 _ANSWER: Final = struct.Struct("<?3xiI")  # SendGoal_Response: accepted, and a stamp
@@ -129,7 +129,7 @@ class PackageAction:
 class MadeActionForm:
     """The form of the classes of `gateway.sources.rclpy.made_types`.
 
-    *result* is the layout of its result, and *empty_result* gets what comes before an empty one.
+    *result* is the layout of its result, and *empty_result* returns CDR of an empty one.
     """
 
     def __init__(
@@ -137,7 +137,7 @@ class MadeActionForm:
         type_name: str,
         made: MadeAction,
         result: Realignment,
-        empty_result: Callable[[bytes], bytes],
+        empty_result: Callable[[], bytes],
     ) -> None:
         self.type_name = type_name
         self.send_goal = made.send_goal
@@ -174,9 +174,8 @@ class MadeActionForm:
     def to_result_response(self, status: int, result: bytes | None = None) -> Any:
         """See `ActionForm`."""
         first = struct.pack("b", status)
-        if result is None:
-            return self.get_result.Response(_HEADER + self._empty_result(first))
-        return self.get_result.Response(self._moved(result, 0, first))
+        cdr = self._empty_result() if result is None else result
+        return self.get_result.Response(self._moved(cdr, 0, first))
 
     def read_result_response(self, response: RawMessage) -> tuple[int, bytes]:
         """See `ActionForm`."""

@@ -15,11 +15,12 @@ from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from gateway.sources.actions import ABORTED, CANCELED, GoalOutcome, GoalRequest
 from gateway.sources.rclpy import rclpy_private
 from gateway.sources.rclpy.action_forms import ActionForm
-from gateway.sources.rclpy.endpoints import Endpoints, OnRequest, Replier, Reply
 from gateway.sources.rclpy.errors import creation, refusals, remapped
 from gateway.sources.rclpy.goal_ids import with_goal_id
 from gateway.sources.rclpy.groups import group_of_one
 from gateway.sources.rclpy.interfaces import message_class, service_class
+from gateway.sources.rclpy.ready_events import Endpoints
+from gateway.sources.rclpy.replier import OnRequest, Replier, Reply
 
 # A person with a headset supervises a few. More, as of a client that floods, are rejected.
 MAX_GOALS: Final = 64

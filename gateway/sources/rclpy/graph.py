@@ -18,12 +18,12 @@ from typing import Any, Final
 from rclpy.action.graph import get_action_server_names_and_types_by_node
 from rclpy.node import Node
 
+from gateway.sources.graph import Graph, ServerInfo, TopicInfo
 from gateway.sources.rclpy.errors import REFUSALS
 from gateway.sources.rclpy.node_definitions import TypeHolder
 from gateway.sources.rclpy.profile import endpoint_node, full_name, to_endpoint
 from gateway.sources.rclpy.qos import UNKNOWN_NODE, Endpoint
 from gateway.sources.rclpy.rclpy_private import GraphWaitSet
-from gateway.sources.source import Graph, ServerInfo, TopicInfo
 
 # A new node causes dozens of changes within a few milliseconds: look once they are over. Far below
 # the 100 ms in which a subscription is to follow its publishers.

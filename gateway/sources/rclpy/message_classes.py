@@ -8,11 +8,11 @@ import sys
 from collections.abc import Callable
 from typing import Final, TypeVar
 
+from gateway.codec.types import Types
 from gateway.sources.rclpy.action_forms import ActionForm, MadeActionForm, PackageAction
-from gateway.sources.rclpy.empty_messages import empty_message
 from gateway.sources.rclpy.interfaces import action_class, message_class, service_class
-from gateway.sources.rclpy.made_types import MadeTypes
-from gateway.sources.rclpy.realignment import Realignment
+from gateway.sources.rclpy.made_types.classes import MadeTypes
+from gateway.sources.rclpy.made_types.realignment import Realignment
 from gateway.sources.rclpy.service_forms import ServiceForm, of_made, of_package
 from gateway.sources.source import RosError
 from schemas.definition import DefinitionError
@@ -20,7 +20,7 @@ from schemas.derived import DerivedDefinitions
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.type_hash import type_hash
 
-_CHECK: Final = ("-m", "gateway.sources.rclpy.made_types_check")
+_CHECK: Final = ("-m", "gateway.sources.rclpy.made_types.check")
 _CHECK_S: Final = 60  # of a machine that is busy with other things. Else it takes one
 
 _T = TypeVar("_T")
@@ -38,6 +38,7 @@ class MessageClasses:
         self._why_not: str | None = None
         self._trying: asyncio.Task[str | None] | None = None
         self._made = MadeTypes()
+        self._types = Types(definitions or InstalledDefinitions([]))  # of empty results
         self._revision = 0  # of the definitions
         self._hashes: dict[str, str] = {}  # of the types that were used
 
@@ -127,7 +128,7 @@ class MessageClasses:
             type_name,
             self._made.action(interface, known),
             Realignment(result, known),
-            lambda before: empty_message(result, known, before),
+            lambda: self._types.get(result.name).encode({}, 0),
         )
 
     def _find_made(self, find: Callable[[], _T], make: Callable[[InstalledDefinitions], _T]) -> _T:

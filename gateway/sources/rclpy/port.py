@@ -14,7 +14,6 @@ from gateway.guard.supervisor import GuardProcess
 from gateway.sources.rclpy import rclpy_private
 from gateway.sources.rclpy.deferred_destruction import DeferredDestruction
 from gateway.sources.rclpy.distro import distro
-from gateway.sources.rclpy.endpoints import Endpoints
 from gateway.sources.rclpy.errors import REFUSALS, refused
 from gateway.sources.rclpy.executor import ExecutorThread
 from gateway.sources.rclpy.graph import (
@@ -31,7 +30,7 @@ from gateway.sources.rclpy.options import RosOptions, check_room
 from gateway.sources.rclpy.publishers import Publishers, RclpyPublisher
 from gateway.sources.rclpy.qos_events import QosEvents
 from gateway.sources.rclpy.raw_subscriptions import RawSubscription, RawSubscriptions
-from gateway.sources.rclpy.ready_events import ReadyEvents
+from gateway.sources.rclpy.ready_events import Endpoints, ReadyEvents
 from gateway.sources.rclpy.same_names import SameNames
 from gateway.sources.rclpy.samples import Samples
 from gateway.sources.rclpy.servers import RclpyActions, RclpyServices

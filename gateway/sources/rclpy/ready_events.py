@@ -9,12 +9,14 @@ import asyncio
 import contextlib
 import os
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.sources.rclpy.errors import creation
@@ -23,6 +25,8 @@ from gateway.sources.source import RosError
 
 # rclpy's callbacks need an executor: see `gateway.sources.rclpy.qos_events`
 NO_EVENTS: Final = SubscriptionEventCallbacks(use_default_callbacks=False)
+# The default of ROS is also reliable and volatile, but keeps 10: the rest of a burst is lost.
+SERVICE_PROFILE: Final = QoSProfile(depth=MAX_QUEUE_DEPTH)
 
 
 class ReadyEvents:
@@ -144,6 +148,15 @@ class EventSource:
             return
         self._repeats = 0
         self._pending = min(self._pending + arrived, MAX_QUEUE_DEPTH)  # DDS has dropped the rest
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoints:
+    """The loop of clients and servers, and the node to create them on, which nothing spins."""
+
+    node: Node
+    ready_events: ReadyEvents
+    loop: asyncio.AbstractEventLoop
 
 
 def _unsupported(error: Exception) -> RosError:

@@ -5,17 +5,18 @@ from collections.abc import Callable, Iterator
 from typing import Generic, Protocol, TypeVar
 
 from gateway.sources.actions import GoalRequest
+from gateway.sources.graph import ServerInfo
 from gateway.sources.rclpy.action_client import RclpyActionClient
 from gateway.sources.rclpy.action_server import RclpyActionServer
 from gateway.sources.rclpy.deferred_destruction import DeferredDestruction
-from gateway.sources.rclpy.endpoints import Endpoints
 from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.name_checks import check_action, check_service
+from gateway.sources.rclpy.ready_events import Endpoints
 from gateway.sources.rclpy.samples import Samples
 from gateway.sources.rclpy.service_entities import RclpyClient, RclpyService
 from gateway.sources.rclpy.service_versions import Versions, of_action, of_service
 from gateway.sources.services import ServiceRequest
-from gateway.sources.source import RosError, ServerInfo
+from gateway.sources.source import RosError
 
 # Checks that one more may be opened: its subject, its type, and the type that is open here.
 CheckNew = Callable[[str, str, str | None], None]

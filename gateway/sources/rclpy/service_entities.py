@@ -4,8 +4,10 @@
 from collections.abc import Callable
 from typing import Any
 
-from gateway.sources.rclpy.endpoints import Endpoints, FindConflict, Replier, Reply, Requester
 from gateway.sources.rclpy.errors import refusals
+from gateway.sources.rclpy.ready_events import Endpoints
+from gateway.sources.rclpy.replier import Replier, Reply
+from gateway.sources.rclpy.requester import FindConflict, Requester
 from gateway.sources.rclpy.service_forms import ServiceForm
 from gateway.sources.services import ServiceRequest
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from rclpy.serialization import deserialize_message, serialize_message
 
-from gateway.sources.rclpy.raw_messages import RawMessage
+from gateway.sources.rclpy.made_types.raw_messages import RawMessage
 
 
 @dataclass(frozen=True, slots=True)

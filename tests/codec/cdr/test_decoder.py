@@ -17,7 +17,7 @@ from rclpy.serialization import serialize_message
 from gateway.codec.cdr import compile_decoder, compile_encoder
 from gateway.codec.errors import CodecError, FieldError
 from gateway.codec.json import dumps
-from schemas.definition import parse_definition
+from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions
 from tests.codec.cdr.conftest import WITH_WSTRINGS
 from tests.codec.cdr.reference import Writer

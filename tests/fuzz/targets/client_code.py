@@ -6,7 +6,8 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 
-from schemas.definition import Constant, Definition, DefinitionError, Field, parse_definition
+from schemas.definition import Constant, Definition, DefinitionError, Field
+from schemas.definition_text import parse_definition
 from schemas.generate import csharp_clients, python_clients, typescript_clients
 from schemas.generate.catalogue import Catalogue
 from schemas.generate.request import MARK, GenerateRequest

@@ -3,7 +3,8 @@
 
 import re
 
-from schemas.definition import Definition, DefinitionError, parse_definition
+from schemas.definition import Definition, DefinitionError
+from schemas.definition_text import parse_definition
 from schemas.generate.python_models import class_names, class_source
 from schemas.idl import parse_idl_interface, parse_idl_message
 from tests.fuzz.choices import Choices

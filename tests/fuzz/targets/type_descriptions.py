@@ -7,7 +7,8 @@ from typing import Any
 from gateway.codec.cdr.bounds import TooManyFieldsError
 from gateway.codec.json import dumps, loads
 from gateway.codec.types import Types
-from schemas.definition import Definition, DefinitionError, parse_definition
+from schemas.definition import Definition, DefinitionError
+from schemas.definition_text import parse_definition
 from schemas.described import described_definitions
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.learning import believed

@@ -4,7 +4,7 @@
 import pytest
 
 from schemas.build import Models
-from schemas.definition import parse_definition
+from schemas.definition_text import parse_definition
 from schemas.generate.json_schemas import schema_of
 from schemas.installed import InstalledDefinitions
 

@@ -3,7 +3,7 @@
 
 import pytest
 
-from schemas.definition import parse_definition
+from schemas.definition_text import parse_definition
 from schemas.generate.catalogue import GENERATED, Catalogue
 from schemas.generate.python_models import class_names, class_source, write
 from schemas.installed import InstalledDefinitions

@@ -9,12 +9,12 @@ import pytest
 from rclpy.node import Node
 
 from gateway.sources.actions import ABORTED, SUCCEEDED
-from gateway.sources.rclpy import RosOptions, action_client, action_server, endpoints
+from gateway.sources.rclpy import RosOptions, action_client, action_server, requester
 from gateway.sources.rclpy.action_client import RclpyActionClient
 from gateway.sources.rclpy.action_server import RclpyActionServer
-from gateway.sources.rclpy.endpoints import Requester
 from gateway.sources.rclpy.interfaces import action_class
 from gateway.sources.rclpy.port import RclpyRos
+from gateway.sources.rclpy.requester import Requester
 from gateway.sources.source import RosError
 from tests.client import eventually
 from tests.sources.outside import Outside
@@ -260,8 +260,8 @@ async def test_a_goal_waits_until_its_feedback_can_be_heard(ros, outside):
         outside.node.create_service(part_class, f"/dock/_action/{part}", answer)
     client = ros.actions.action_client("/dock", FIBONACCI)
     sending = asyncio.ensure_future(client.send_goal(goal(3), ignore))
-    for requester in (client._goals, client._results, client._cancels):
-        await eventually(requester._client.service_is_ready)
+    for each in (client._goals, client._results, client._cancels):
+        await eventually(each._client.service_is_ready)
     client.follow_graph()
     assert not client._goals.is_ready
     assert goals == []
@@ -271,7 +271,7 @@ async def test_a_goal_waits_until_its_feedback_can_be_heard(ros, outside):
 
 
 async def test_an_action_of_this_process_gets_its_goals_at_once(ros, slow, monkeypatch):
-    monkeypatch.setattr(endpoints, "PACING_S", 1e6)
+    monkeypatch.setattr(requester, "PACING_S", 1e6)
     client = ros.actions.action_client("/dock", FIBONACCI)
     sends = [asyncio.ensure_future(client.send_goal(goal(3), ignore)) for _ in range(15)]
     await eventually(lambda: len(slow.requests) == len(sends))
@@ -315,7 +315,7 @@ async def test_a_client_that_closes_stays_until_all_its_cancels_are_answered(
     outside.add_action_server("/dock", FIBONACCI, *provider.callbacks)
     client = ros.actions.action_client("/dock", FIBONACCI)
     goals = await accepted_goals(client, provider, 16)
-    monkeypatch.setattr(endpoints, "PACING_S", 1e6)
+    monkeypatch.setattr(requester, "PACING_S", 1e6)
     for accepted in goals:
         accepted.cancel()
     client.close()
@@ -365,7 +365,7 @@ async def test_a_goal_that_has_ended_waits_for_no_answer_to_its_cancel(ros, monk
 
 
 async def test_the_last_of_many_goals_may_end_first(ros, outside, monkeypatch):
-    monkeypatch.setattr(endpoints, "PACING_S", 1e6)
+    monkeypatch.setattr(requester, "PACING_S", 1e6)
     provider = Provider()
     outside.add_action_server("/dock", FIBONACCI, *provider.callbacks)
     client = ros.actions.action_client("/dock", FIBONACCI)

@@ -5,8 +5,8 @@ import ctypes
 
 import pytest
 
-from gateway.sources.rclpy import fast_cdr
-from gateway.sources.rclpy.fast_cdr import FastCdr
+from gateway.sources.rclpy.made_types import fast_cdr
+from gateway.sources.rclpy.made_types.fast_cdr import FastCdr
 from gateway.sources.source import RosError
 
 

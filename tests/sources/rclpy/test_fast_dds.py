@@ -41,7 +41,7 @@ from std_msgs.msg import Header
 
 from gateway.sources.rclpy import fast_dds
 from gateway.sources.rclpy.errors import creation
-from gateway.sources.rclpy.made_types import MadeTypes
+from gateway.sources.rclpy.made_types.classes import MadeTypes
 from schemas.installed import InstalledDefinitions
 
 with fast_dds.profile():

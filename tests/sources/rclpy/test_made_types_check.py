@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from gateway.sources.rclpy import made_services_check, made_types_check
-from gateway.sources.rclpy.made_services_check import Calls
+from gateway.sources.rclpy.made_types import check
+from gateway.sources.rclpy.made_types.check import Calls
 
 
 class Clock:
@@ -25,8 +25,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     clock = Clock()
-    for module in (made_types_check, made_services_check):
-        monkeypatch.setattr(module, "time", clock)
+    monkeypatch.setattr(check, "time", clock)
     return clock
 
 
@@ -38,11 +37,11 @@ def test_a_sample_that_never_arrives_is_looked_for_200_times_a_second_and_for_50
         is_over=False, fault="nothing has come", step=lambda: steps.append(clock.now_s)
     )
     for name in ("Context", "Node", "InstalledDefinitions", "MadeTypes"):
-        monkeypatch.setattr(made_types_check, name, lambda *_, **__: None)
-    monkeypatch.setattr(made_types_check, "rclpy", SimpleNamespace(init=lambda **_: None))
-    monkeypatch.setattr(made_types_check, "_Topics", lambda *_: topics)
-    monkeypatch.setattr(made_types_check, "open_calls", lambda *_: [])
-    assert made_types_check._exchange() == "nothing has come"
+        monkeypatch.setattr(check, name, lambda *_, **__: None)
+    monkeypatch.setattr(check, "rclpy", SimpleNamespace(init=lambda **_: None))
+    monkeypatch.setattr(check, "_Topics", lambda *_: topics)
+    monkeypatch.setattr(check, "open_calls", lambda *_: [])
+    assert check._exchange() == "nothing has come"
     assert clock.now_s == pytest.approx(50, abs=0.01)
     assert len(steps) == pytest.approx(10_000, abs=2)
 

@@ -12,7 +12,8 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool
 from test_msgs.action import Fibonacci
 
-from gateway.sources.rclpy import made_types, message_classes
+from gateway.sources.rclpy import message_classes
+from gateway.sources.rclpy.made_types import classes as made_types
 from gateway.sources.rclpy.message_classes import MessageClasses, why_types_cannot_be_made
 from gateway.sources.source import RosError
 from schemas.installed import InstalledDefinitions
@@ -207,12 +208,12 @@ async def test_a_process_that_fails_or_crashes_is_told_of(monkeypatch, script: s
 async def test_a_ros_that_is_laid_out_otherwise_is_noticed(monkeypatch, structure, order, words):
     script = (
         "import ctypes",
-        "from gateway.sources.rclpy import made_types, made_types_check, type_supports",
+        "from gateway.sources.rclpy.made_types import check, classes, type_supports",
         f"fields = type_supports.{structure}._fields_",
         f"others = {{'_fields_': [fields[place] for place in {order}]}}",
-        f"made_types.{structure} = type('Other', (ctypes.Structure,), others)",
-        "made_types_check._WITHIN_S = 3",
-        "raise SystemExit(made_types_check.main())",
+        f"classes.{structure} = type('Other', (ctypes.Structure,), others)",
+        "check._WITHIN_S = 3",
+        "raise SystemExit(check.main())",
     )
     monkeypatch.setattr(message_classes, "_CHECK", ("-c", "\n".join(script)))
     assert re.search(words, str(await why_types_cannot_be_made()))

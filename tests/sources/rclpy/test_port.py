@@ -17,20 +17,13 @@ from rclpy.node import Node
 
 from gateway.errors import RosMissingError
 from gateway.sources.actions import GoalRequest
+from gateway.sources.graph import Graph, ServerInfo
 from gateway.sources.rclpy import RosOptions, open_ros
 from gateway.sources.rclpy.graph import read_actions, read_all_services
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.rclpy_private import ReadyCallbacks
 from gateway.sources.services import ServiceRequest
-from gateway.sources.source import (
-    Graph,
-    LogLevel,
-    Qos,
-    Ros,
-    RosError,
-    Sample,
-    ServerInfo,
-)
+from gateway.sources.source import LogLevel, Qos, Ros, RosError, Sample
 from tests.client import TIMEOUT_S, eventually
 from tests.e2e.faults.processes import segments_of
 from tests.sources.outside import Outside

@@ -15,8 +15,8 @@ from std_srvs.srv import SetBool
 from gateway.codec.errors import CodecError
 from gateway.codec.types import Types
 from gateway.sources.rclpy import RosOptions
+from gateway.sources.rclpy.made_types.raw_messages import RawMessage
 from gateway.sources.rclpy.port import RclpyRos
-from gateway.sources.rclpy.raw_messages import RawMessage
 from gateway.sources.services import ServiceRequest
 from gateway.sources.source import RosError
 from schemas.installed import InstalledDefinitions

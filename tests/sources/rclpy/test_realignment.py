@@ -7,9 +7,9 @@ import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
 from gateway.codec.types import Types
-from gateway.sources.rclpy.realignment import Realignment
+from gateway.sources.rclpy.made_types.realignment import Realignment
 from gateway.sources.source import RosError
-from schemas.definition import parse_definition
+from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions
 from tests.messages import RandomMessages, ros_class, to_json, to_ros
 

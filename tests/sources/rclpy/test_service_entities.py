@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from gateway.sources.rclpy import RosOptions, endpoints
-from gateway.sources.rclpy.endpoints import Requester
+from gateway.sources.rclpy import RosOptions, requester
 from gateway.sources.rclpy.interfaces import service_class
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.rclpy_private import RESPONSE_TIMED_OUT
+from gateway.sources.rclpy.requester import Requester
 from gateway.sources.rclpy.service_entities import RclpyClient
 from gateway.sources.services import ServiceRequest
 from gateway.sources.source import MAX_TAKES_PER_TURN, RosError
@@ -78,7 +78,7 @@ async def test_a_call_that_is_cancelled_while_it_waits_is_never_sent(ros, outsid
 
 
 async def test_requests_beyond_what_a_server_keeps_wait_here(ros, outside, monkeypatch):
-    monkeypatch.setattr(endpoints, "PACING_S", 1e6)
+    monkeypatch.setattr(requester, "PACING_S", 1e6)
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.services.client("/arm", SET_BOOL)
@@ -101,7 +101,7 @@ async def test_requests_beyond_what_a_server_keeps_wait_here(ros, outside, monke
 
 
 async def test_a_server_that_never_answers_keeps_no_request_waiting(ros, outside, monkeypatch):
-    monkeypatch.setattr(endpoints, "PACING_S", 0.01)
+    monkeypatch.setattr(requester, "PACING_S", 0.01)
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)  # not as fast as that
     client = ros.services.client("/arm", SET_BOOL)
@@ -118,7 +118,7 @@ async def test_a_server_that_never_answers_keeps_no_request_waiting(ros, outside
 
 
 async def test_a_service_of_this_process_gets_its_requests_at_once(ros, monkeypatch):
-    monkeypatch.setattr(endpoints, "PACING_S", 1e6)
+    monkeypatch.setattr(requester, "PACING_S", 1e6)
     requests: list[ServiceRequest] = []
     ros.services.serve("/arm", SET_BOOL, requests.append)
     client = ros.services.client("/arm", SET_BOOL)
@@ -132,7 +132,7 @@ async def test_a_service_of_this_process_gets_its_requests_at_once(ros, monkeypa
 async def test_a_request_that_is_cancelled_in_the_turn_that_makes_room_is_never_sent(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(endpoints, "PACING_S", 1e6)
+    monkeypatch.setattr(requester, "PACING_S", 1e6)
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.services.client("/arm", SET_BOOL)
@@ -435,7 +435,7 @@ async def test_a_client_that_no_response_can_reach_is_told_of(ros, outside, capl
     profile = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     deaf = outside.node.create_client(found, "/arm", qos_profile=profile)
     await eventually(outside.add_client("/arm", SET_BOOL)._client.service_is_ready)
-    with caplog.at_level(logging.WARNING, "gateway.sources.rclpy.endpoints"):
+    with caplog.at_level(logging.WARNING, "gateway.sources.rclpy.replier"):
         deaf.handle.send_request(found.Request())
         await eventually(lambda: bool(caplog.messages))
     assert caplog.messages == ["service /arm: a client's QoS does not let it get responses"]
@@ -454,7 +454,7 @@ async def test_a_client_that_no_response_can_reach_stops_the_loop_only_so_often(
     for _ in range(2 * MAX_STALLS):
         deaf.handle.send_request(found.Request())  # rclpy's own would see no server
     await eventually(lambda: len(requests) == 2 * MAX_STALLS)
-    with caplog.at_level(logging.WARNING, "gateway.sources.rclpy.endpoints"):
+    with caplog.at_level(logging.WARNING, "gateway.sources.rclpy.replier"):
         for each in requests:
             each.answer(response("unheard"))
     assert caplog.messages == [
@@ -490,7 +490,7 @@ async def test_a_silent_server_gets_one_more_request_after_a_second(ros, outside
 
 
 async def test_a_silent_server_gets_one_more_request_at_a_time(ros, outside, monkeypatch):
-    monkeypatch.setattr(endpoints, "PACING_S", 0.3)
+    monkeypatch.setattr(requester, "PACING_S", 0.3)
     requests: list[ServiceRequest] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)
     client = ros.services.client("/arm", SET_BOOL)

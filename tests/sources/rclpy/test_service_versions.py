@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from gateway.sources.rclpy import RosOptions, type_supports
+from gateway.sources.rclpy import RosOptions
+from gateway.sources.rclpy.made_types import type_supports
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.services import ServiceRequest
 from gateway.sources.source import RosError

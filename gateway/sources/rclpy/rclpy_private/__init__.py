@@ -17,7 +17,7 @@ context managers they keep rcl's object alive, and ``pointer`` is its address in
 ``Client.handle.send_request(request)``
     Returns the request's number. Without it, or without one of the next three: no services, no
     actions, no parameters. rclpy's own way needs an executor (see
-    `gateway.sources.rclpy.endpoints`).
+    `gateway.sources.rclpy.requester`).
 ``Client.handle.take_response(type)``
     Returns ``(info, response)`` with ``info.request_id.sequence_number``, or ``(None, None)``, also
     for a response that cannot be read.
@@ -62,13 +62,9 @@ Without them: as without ``rcl_wait_set_add_guard_condition``.
 ``rclpy.experimental.events_executor.EventsExecutor``
     Since Jazzy. Without it: ``SingleThreadedExecutor``, which looks at every entity at each turn.
 
-Five other modules use the layers below rclpy (rmw, rosidl and the middleware). Their
-docstrings list what they rely on: `gateway.sources.rclpy.fast_dds` (functions of rcutils and rmw),
-`gateway.sources.rclpy.type_supports` (structures of rosidl), `gateway.sources.rclpy.fast_cdr`
-(functions of Fast CDR), and `gateway.sources.rclpy.raw_messages` and
-`gateway.sources.rclpy.made_types`, which use these three. Without them: no types that are not
-installed. Another process tries them at the start (`gateway.sources.rclpy.made_types_check`), as a
-difference in C may end it.
+Two other places use the layers below rclpy (rmw, rosidl and the middleware), and say what they
+rely on: `gateway.sources.rclpy.fast_dds` (functions of rcutils and rmw), and
+`gateway.sources.rclpy.made_types`. Without them: no types that are not installed.
 """
 
 from gateway.sources.rclpy.rclpy_private.c_functions import MissingFunctionError

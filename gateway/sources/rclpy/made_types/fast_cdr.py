@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bytes in and out of an ``eprosima::fastcdr::Cdr``, by which rmw has messages written and read.
 
-A C++ exception must not pass through Python. Of the functions that are called only the one that
-writes throws, where a Cdr has no room.
+Of the functions that are called only the one that writes throws, if a Cdr has no room.
 """
 
 import ctypes

@@ -1,25 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Clients and servers of services whose messages the event loop itself takes and sends.
+"""Clients of services whose messages the event loop itself sends and takes.
 
-Services consist of these, and so does most of an action. No executor is involved: in rclpy 7.1 a
-service that answers later fails on the EventsExecutor, and actions lose results on it.
+Services consist of these and of `gateway.sources.rclpy.replier`, and so does most of an action. No
+executor is involved: in rclpy 7.1 a service that answers later fails on the EventsExecutor, and
+actions lose results on it.
 """
 
 import asyncio
-import logging
-from collections import deque
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
-from rclpy.node import Node
-from rclpy.qos import QoSProfile
-
-from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.sources.rclpy import rclpy_private
-from gateway.sources.rclpy.errors import REFUSALS, creation, losses, refused, remapped
+from gateway.sources.rclpy.errors import REFUSALS, creation, refused, remapped
 from gateway.sources.rclpy.groups import group_of_one
-from gateway.sources.rclpy.ready_events import ReadyEvents
+from gateway.sources.rclpy.ready_events import SERVICE_PROFILE, Endpoints
 from gateway.sources.source import MAX_TAKES_PER_TURN, RosError
 
 # How soon a new server gets the requests that wait for it: the graph shows a server before DDS has
@@ -30,31 +24,9 @@ LOOK_S: Final = 0.02
 # second: a server that answers late, or never, has most likely taken the oldest by then.
 MAX_IN_FLIGHT: Final = 10
 PACING_S: Final = 1.0
-# rmw waits 0.1 s, and blocks the event loop, for a client whose reader DDS has not matched yet, as
-# on a bad network. Then the response is lost. It is sent once more after this time.
-SEND_AGAIN_S: Final = 1.0
-# A client whose reader never matches, such as one that requests transient_local, costs these waits
-# each time. A request does not show which client sent it: after this many waits the service sends
-# no responses for a while, which leaves the loop 94 % of its time.
-MAX_STALLS: Final = 3
-STALLED_S: Final = 10.0
 
-_logger = logging.getLogger(__name__)
-
-# Sends the response, unless the server is closed. A response to a client that has gone is lost.
-Reply = Callable[[Any], None]
-OnRequest = Callable[[Any, Reply], None]
 # Servers by their DDS readers. See `gateway.sources.rclpy.service_versions`.
 FindConflict = Callable[[frozenset[bytes]], RosError | None]
-
-
-@dataclass(frozen=True, slots=True)
-class Endpoints:
-    """The loop of clients and servers, and the node to create them on, which nothing spins."""
-
-    node: Node
-    ready_events: ReadyEvents
-    loop: asyncio.AbstractEventLoop
 
 
 class _UnderWay(NamedTuple):
@@ -104,7 +76,7 @@ class Requester:
             self._source = endpoints.ready_events.open(
                 "client",
                 lambda: node.create_client(
-                    service_class, name, qos_profile=_profile(), callback_group=group_of_one()
+                    service_class, name, qos_profile=SERVICE_PROFILE, callback_group=group_of_one()
                 ),
                 node.destroy_client,
                 self._take,
@@ -284,131 +256,3 @@ class Requester:
         if not response.done():
             response.set_exception(error)
             response.exception()  # marks it as retrieved: nobody has to await it
-
-
-class Replier:
-    """A server of rclpy."""
-
-    def __init__(
-        self,
-        endpoints: Endpoints,
-        service_class: Any,
-        name: str,
-        on_request: OnRequest,
-        *,
-        subject: str,
-    ) -> None:
-        """Create it. The text of its errors begins with *subject*, such as ``service /reset``.
-
-        Raises:
-            RosError: ROS refuses it, or gives it another name.
-        """
-        node = endpoints.node
-        self._subject = subject
-        self._loop = endpoints.loop
-        self._on_request = on_request
-        self._request_class = service_class.Request
-        self._is_draining = False
-        self._is_closed = False
-        self.has_replied = False
-        self._stalls: deque[float] = deque(maxlen=MAX_STALLS)  # the times of the last ones
-        self._silent_until = self._loop.time()
-        with creation(subject):
-            self._source = endpoints.ready_events.open(
-                "service",
-                lambda: node.create_service(
-                    service_class,
-                    name,
-                    _never_called,
-                    qos_profile=_profile(),
-                    callback_group=group_of_one(),
-                ),
-                node.destroy_service,
-                self._take,
-            )
-        service = self._source.entity
-        self._take_request = rclpy_private.request_taker(service)
-        self._send_response = rclpy_private.response_sender(service)
-        given = service.service_name
-        if given != name:
-            self._source.close()
-            raise remapped(subject, given)
-
-    def drain(self) -> None:
-        """Pass all that has arrived to *on_request*. Called from within that, do nothing."""
-        if self._is_draining:
-            return
-        self._is_draining = True
-        try:
-            for _ in range(MAX_QUEUE_DEPTH):
-                if self._is_closed or not self._take_one():
-                    break
-        finally:
-            self._is_draining = False
-
-    def close(self) -> None:
-        """Pass what has arrived to *on_request*, which must reply within the call. Destroy it.
-
-        No request comes after. Closing twice is harmless.
-        """
-        if self._is_closed:
-            return
-        try:
-            self.drain()
-        finally:
-            self._is_closed = True
-            self._source.close()
-
-    def _take(self) -> None:
-        if not self._is_draining:
-            self._take_one()
-
-    def _take_one(self) -> bool:
-        """Take one request. Return whether there may be more."""
-        request, info = self._take_request(self._request_class)
-        if not self._source.count_take() and info is None:
-            return False
-        # One request a turn. Before the callback: what that raises must not delay other requests.
-        self._source.notify_again()
-        if info is not None:  # it could be read
-            self._on_request(request, lambda response: self._reply(response, info.request_id))
-        return True
-
-    def _reply(self, response: Any, request_id: rclpy_private.RequestId) -> None:
-        if self._is_closed or self._loop.time() < self._silent_until:
-            return
-        self.has_replied = True
-        if not self._send(response, request_id):
-            self._loop.call_later(SEND_AGAIN_S, self._send_again, response, request_id)
-            self._stall()
-
-    def _send_again(self, response: Any, request_id: rclpy_private.RequestId) -> None:
-        # also while the service is silent: these are as few as the waits before
-        if not self._is_closed and not self._send(response, request_id):
-            _logger.warning("%s: a client's QoS does not let it get responses", self._subject)
-
-    def _send(self, response: Any, request_id: rclpy_private.RequestId) -> bool:
-        """Send a response. Return whether rmw found the client in time."""
-        with losses(self._subject) as waits:
-            self._send_response(response, request_id)
-        return not waits
-
-    def _stall(self) -> None:
-        now = self._loop.time()
-        self._stalls.append(now)
-        if len(self._stalls) == MAX_STALLS and now - self._stalls[0] < STALLED_S:
-            self._stalls.clear()
-            self._silent_until = now + STALLED_S
-            _logger.warning(
-                "%s: no responses for %g s, as its clients do not get them: see their QoS",
-                *(self._subject, STALLED_S),
-            )
-
-
-def _profile() -> QoSProfile:
-    # The default of ROS is also reliable and volatile, but keeps 10: the rest of a burst is lost.
-    return QoSProfile(depth=MAX_QUEUE_DEPTH)
-
-
-def _never_called(*_: object) -> None:
-    """Serve as the callback that rclpy requires. Nothing calls it."""

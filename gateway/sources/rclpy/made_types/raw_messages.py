@@ -4,10 +4,8 @@
 rclpy has C make a message, rmw read or write it, and C convert it from or to a Python object. Here
 the message in C is a Python object itself, which rmw knows by its address.
 
-rmw asks for a message's size and writes it while it holds a lock of DDS. No bytecode may run there:
-Python could pass the GIL to another thread. If that one then waits for the lock, as when it
-creates an entity, neither ever goes on. So these functions are C all the way, put together
-from what Python and Fast CDR have.
+rmw asks for a message's size and writes it while it holds a lock of DDS, so no bytecode may run in
+these functions.
 """
 
 import ctypes
@@ -16,8 +14,8 @@ import gc
 import operator
 from typing import Any, Final
 
-from gateway.sources.rclpy.fast_cdr import FastCdr
-from gateway.sources.rclpy.type_supports import (
+from gateway.sources.rclpy.made_types.fast_cdr import FastCdr
+from gateway.sources.rclpy.made_types.type_supports import (
     FASTRTPS,
     MessageCallbacks,
     MessageSupport,

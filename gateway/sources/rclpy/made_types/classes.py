@@ -1,12 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Classes of types, made at run time: of packages that are not installed, and of services.
-
-rclpy gives rmw a type support: a C structure that a package's generated code holds. Of that
-rmw_fastrtps_cpp reads little: the type's name, its REP-2011 hash, its description, that its size is
-not bounded, and how it is written and read. So structures made by ctypes do as well.
-
-Made types are never freed, because rmw and rcl keep pointers to them.
-"""
+"""The classes of made types, which rclpy takes as it takes those of packages."""
 
 import ctypes
 from collections.abc import Callable
@@ -16,8 +9,8 @@ from typing import Any, Final, TypeVar
 from rclpy.utilities import get_rmw_implementation_identifier
 
 from gateway.sources.rclpy import fast_dds
-from gateway.sources.rclpy.raw_messages import RawMessage, RawMessages
-from gateway.sources.rclpy.type_supports import (
+from gateway.sources.rclpy.made_types.raw_messages import RawMessage, RawMessages
+from gateway.sources.rclpy.made_types.type_supports import (
     FASTRTPS,
     INTROSPECTION,
     Finder,
@@ -63,7 +56,7 @@ class MadeTypes:
     def get(self, definition: Definition, definitions: InstalledDefinitions) -> type:
         """Return the class of a message, made now if it is the first time.
 
-        Its objects are `gateway.sources.rclpy.raw_messages.RawMessage`.
+        Its objects are `gateway.sources.rclpy.made_types.raw_messages.RawMessage`.
 
         Raises:
             RosError: ``limit_exceeded``: there are `MAX_MADE` of them. ``bad_type``: none can be

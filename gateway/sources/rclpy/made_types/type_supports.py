@@ -3,11 +3,7 @@
 
 They are those of ``message_type_support_struct.h``, ``service_type_support_struct.h`` and
 ``type_hash.h`` in rosidl_runtime_c, and of ``message_type_support.h`` and
-``service_type_support.h`` in rosidl_typesupport_fastrtps_cpp, as they are since Jazzy. Whether they
-are so here is found out by another process (`gateway.sources.rclpy.made_types_check`), as a wrong
-one may crash it.
-
-Made types are never freed, because rmw and rcl keep pointers to them.
+``service_type_support.h`` in rosidl_typesupport_fastrtps_cpp, as they are since Jazzy.
 """
 
 import ctypes
@@ -164,7 +160,7 @@ class Finder:
     def prepare(self, handle: int) -> None:
         """Have the answers for a type in the cache, so that no bytecode runs to give them.
 
-        rmw asks under a lock of DDS. See `gateway.sources.rclpy.raw_messages`.
+        rmw asks under a lock of DDS.
         """
         for identifier in _IDENTIFIERS:
             self._find(handle, identifier)
@@ -207,7 +203,7 @@ def _getter(structure: ctypes.Structure) -> int:
 
 
 def _getting(address: int) -> int:
-    # No bytecode: it runs under a lock of DDS, see `gateway.sources.rclpy.raw_messages`.
+    # No bytecode: it runs under a lock of DDS.
     get = _Get(address.__index__)
     keep(get)
     return address_of(get)
