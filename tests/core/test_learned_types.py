@@ -249,7 +249,7 @@ async def test_the_first_of_two_definitions_in_use_stays(bench: Bench):
     await eventually(lambda: LAMP in bench.types.definitions.told)
     first, second = bench.ros.hashes[LAMP], f"RIHS01_{'1' * 64}"
     holders = {"/a": [TypeHolder(node.name, first)], "/b": [TypeHolder(other.name, second)]}
-    bench.ros.type_holders = lambda topic, _: holders.get(topic, [])
+    bench.ros.told._holders_on = lambda topic, _: holders.get(topic, [])
     bench.ros.add_publisher("/b", LAMP, node=other.name)
     await changes(bench)
     assert other.requests == []

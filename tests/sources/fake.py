@@ -264,7 +264,13 @@ class FakeRos:
         self.hashes: dict[str, str] = {}  # of types that are not installed
         self._types = types or Types(InstalledDefinitions(folders=[SHIPPED]))
         self._is_changing = False
-        self.told = NodeDefinitions(self, self._types.definitions, self.changed)
+        self.told = NodeDefinitions(
+            self,
+            self._types.definitions,
+            self.changed,
+            holders=self.type_holders,
+            make_types=_nothing,
+        )
 
     # The port
 
@@ -351,9 +357,6 @@ class FakeRos:
 
     async def definitions(self, type_name: str) -> Mapping[str, Definition] | None:
         return await self.told.of(type_name)
-
-    async def make_types(self) -> None:
-        """Do nothing: here any type will do."""
 
     def topics(self) -> dict[str, tuple[str, ...]]:
         endpoints: list[TopicEndpoint] = [*self.publishers, *self.subscriptions]
@@ -615,6 +618,10 @@ class FakeRos:
                 subject = f"{_NOUNS[kind]} {name}"
                 text = f"{subject} is open here as {known}, not {type_name}"
                 raise RosError("type_conflict", text)
+
+
+async def _nothing() -> None:
+    """Any type can be used here."""
 
 
 def _name(each: TopicEndpoint | Caller | Server) -> str:

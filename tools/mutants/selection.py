@@ -38,6 +38,7 @@ ELSEWHERE: Final = {
     "gateway/fronts/rosbridge/tf2_web_republisher/": ("tests/core/transforms",),
     "gateway/metrics/": ("tests/transport/test_scrapes.py",),
     "gateway/sources/rclpy/": ("tests/sources",),
+    "gateway/sources/rclpy/node_definitions.py": ("tests/core/test_learned_types.py",),
     "gateway/tf/": ("tests/core/transforms",),
     "schemas/": ("tests/schemas", "tests/codec", "tests/cli/test_generate.py"),
 }  # fmt: skip

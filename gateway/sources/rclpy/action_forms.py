@@ -6,7 +6,7 @@ The parts that all actions share, which cancel a goal and publish its status, ar
 
 import struct
 from collections.abc import Callable
-from typing import Any, Final, Protocol
+from typing import Any, Final, TypeAlias
 
 from rclpy.serialization import deserialize_message, serialize_message
 
@@ -21,60 +21,12 @@ _STATUS_BYTES: Final = 1
 _UNKNOWN: Final = b"\0"  # action_msgs/msg/GoalStatus
 
 
-class ActionForm(Protocol):
-    """An action type. Goals, results and feedback are CDR, encapsulation header included.
-
-    Bytes that are not CDR of the type raise one of `gateway.sources.rclpy.errors.REFUSALS`, or a
-    `RosError`. A made class notices little of it.
-    """
-
-    @property
-    def type_name(self) -> str:
-        """The type, ``pkg/action/Name``."""
-
-    @property
-    def send_goal(self) -> Any:
-        """The class of the service that takes goals."""
-
-    @property
-    def get_result(self) -> Any:
-        """The class of the service that has results."""
-
-    @property
-    def feedback(self) -> type:
-        """The class of the topic of feedback."""
-
-    def to_goal_request(self, goal_id: bytes, goal: bytes) -> Any:
-        """Return the request that sends a goal."""
-
-    def read_goal_request(self, request: Any) -> tuple[bytes, bytes]:
-        """Return the goal's id, shorter than 16 bytes if it is malformed, and the goal."""
-
-    def to_goal_response(self, accepted_ns: int | None) -> Any:
-        """Return the response to a goal that was accepted at a time, or was rejected."""
-
-    def is_accepted(self, response: Any) -> bool:
-        """Return the server's answer to a goal."""
-
-    def to_result_request(self, goal_id: bytes) -> Any:
-        """Return the request for the result of a goal."""
-
-    def read_result_request(self, request: Any) -> bytes:
-        """Return the id of the goal whose result is asked for."""
-
-    def to_result_response(self, status: int, result: bytes | None = None) -> Any:
-        """Return the response with a result, or with an empty one."""
-
-    def read_result_response(self, response: Any) -> tuple[int, bytes]:
-        """Return the status and the result.
-
-        Raises:
-            RosError: ``internal``: the response is not CDR of the type.
-        """
-
-
 class PackageAction:
-    """The form of a class that a package has."""
+    """The form of a class that a package has.
+
+    Goals, results and feedback are CDR, encapsulation header included. Bytes that are not CDR of
+    the type raise one of `gateway.sources.rclpy.errors.REFUSALS`.
+    """
 
     def __init__(self, type_name: str, action_class: Any) -> None:
         self.type_name = type_name
@@ -85,15 +37,15 @@ class PackageAction:
         self._result = action_class.Result
 
     def to_goal_request(self, goal_id: bytes, goal: bytes) -> Any:
-        """See `ActionForm`."""
+        """Return the request that sends a goal."""
         return deserialize_message(with_goal_id(goal_id, goal), self.send_goal.Request)
 
     def read_goal_request(self, request: Any) -> tuple[bytes, bytes]:
-        """See `ActionForm`."""
+        """Return the goal's id, shorter than 16 bytes if it is malformed, and the goal."""
         return bytes(request.goal_id.uuid), serialize_message(request.goal)
 
     def to_goal_response(self, accepted_ns: int | None) -> Any:
-        """See `ActionForm`."""
+        """Return the response to a goal that was accepted at a time, or was rejected."""
         response = self.send_goal.Response()
         if accepted_ns is not None:
             response.accepted = True
@@ -101,33 +53,37 @@ class PackageAction:
         return response
 
     def is_accepted(self, response: Any) -> bool:
-        """See `ActionForm`."""
+        """Return the server's answer to a goal."""
         return bool(response.accepted)
 
     def to_result_request(self, goal_id: bytes) -> Any:
-        """See `ActionForm`."""
+        """Return the request for the result of a goal."""
         request = self.get_result.Request()
         request.goal_id.uuid = list(goal_id)
         return request
 
     def read_result_request(self, request: Any) -> bytes:
-        """See `ActionForm`."""
+        """Return the id of the goal whose result is asked for."""
         return bytes(request.goal_id.uuid)
 
     def to_result_response(self, status: int, result: bytes | None = None) -> Any:
-        """See `ActionForm`."""
+        """Return the response with a result, or with an empty one."""
         response = self.get_result.Response(status=status)
         if result is not None:
             response.result = deserialize_message(result, self._result)
         return response
 
     def read_result_response(self, response: Any) -> tuple[int, bytes]:
-        """See `ActionForm`."""
+        """Return the status and the result.
+
+        Raises:
+            RosError: ``internal``: the response is not CDR of the type.
+        """
         return response.status, serialize_message(response.result)
 
 
 class MadeActionForm:
-    """The form of the classes of `gateway.sources.rclpy.made_types`.
+    """The form of the classes of `gateway.sources.rclpy.made_types`, which notice few faults.
 
     *result* is the layout of its result, and *empty_result* returns CDR of an empty one.
     """
@@ -147,38 +103,38 @@ class MadeActionForm:
         self._empty_result = empty_result
 
     def to_goal_request(self, goal_id: bytes, goal: bytes) -> Any:
-        """See `ActionForm`."""
+        """See `PackageAction`."""
         return self.send_goal.Request(with_goal_id(goal_id, goal))
 
     def read_goal_request(self, request: RawMessage) -> tuple[bytes, bytes]:
-        """See `ActionForm`."""
+        """See `PackageAction`."""
         return goal_id_of(request.cdr), without_goal_id(request.cdr)
 
     def to_goal_response(self, accepted_ns: int | None) -> Any:
-        """See `ActionForm`."""
+        """See `PackageAction`."""
         stamp = divmod(accepted_ns or 0, 10**9)
         return self.send_goal.Response(_HEADER + _ANSWER.pack(accepted_ns is not None, *stamp))
 
     def is_accepted(self, response: RawMessage) -> bool:
-        """See `ActionForm`."""
+        """See `PackageAction`."""
         return any(response.cdr[ENCAPSULATION_BYTES : ENCAPSULATION_BYTES + 1])
 
     def to_result_request(self, goal_id: bytes) -> Any:
-        """See `ActionForm`."""
+        """See `PackageAction`."""
         return self.get_result.Request(_HEADER + goal_id)
 
     def read_result_request(self, request: RawMessage) -> bytes:
-        """See `ActionForm`."""
+        """See `PackageAction`."""
         return goal_id_of(request.cdr)
 
     def to_result_response(self, status: int, result: bytes | None = None) -> Any:
-        """See `ActionForm`."""
+        """See `PackageAction`."""
         first = struct.pack("b", status)
         cdr = self._empty_result() if result is None else result
         return self.get_result.Response(self._moved(cdr, 0, first))
 
     def read_result_response(self, response: RawMessage) -> tuple[int, bytes]:
-        """See `ActionForm`."""
+        """See `PackageAction`."""
         cdr = response.cdr
         first = cdr[ENCAPSULATION_BYTES : ENCAPSULATION_BYTES + _STATUS_BYTES] or _UNKNOWN
         (status,) = struct.unpack("b", first)
@@ -188,3 +144,6 @@ class MadeActionForm:
         header, body = cdr[:ENCAPSULATION_BYTES], cdr[ENCAPSULATION_BYTES:]
         is_little_endian = header[1:2] == _HEADER[1:2]
         return header + self._result.move(body, start, before, is_little_endian=is_little_endian)
+
+
+ActionForm: TypeAlias = PackageAction | MadeActionForm

@@ -9,15 +9,14 @@ import contextlib
 from collections.abc import Callable
 from typing import Any, Final
 
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 
 from gateway.sources.actions import ABORTED, CANCELED, GoalOutcome, GoalRequest
 from gateway.sources.rclpy import rclpy_private
 from gateway.sources.rclpy.action_forms import ActionForm
-from gateway.sources.rclpy.errors import creation, refusals, remapped
+from gateway.sources.rclpy.creating import create_publisher
+from gateway.sources.rclpy.errors import refusals
 from gateway.sources.rclpy.goal_ids import with_goal_id
-from gateway.sources.rclpy.groups import group_of_one
 from gateway.sources.rclpy.interfaces import message_class, service_class
 from gateway.sources.rclpy.ready_events import Endpoints
 from gateway.sources.rclpy.replier import OnRequest, Replier, Reply
@@ -122,7 +121,7 @@ class RclpyActionServer:
 
             def publisher(part: str, part_class: Any, profile: QoSProfile) -> Any:
                 topic = f"{name}/_action/{part}"
-                opened = _open_publisher(endpoints, self._subject, topic, part_class, profile)
+                opened = create_publisher(endpoints.node, self._subject, topic, part_class, profile)
                 undo.callback(endpoints.node.destroy_publisher, opened)
                 return opened
 
@@ -276,22 +275,3 @@ class RclpyActionServer:
         message.status_list = [goal.status for goal in self._goals.values()]
         with refusals(self._subject):
             self._status_topic.publish(message)
-
-
-def _open_publisher(
-    endpoints: Endpoints, subject: str, topic: str, message_class: Any, profile: QoSProfile
-) -> Any:
-    node = endpoints.node
-    with creation(subject):
-        publisher = node.create_publisher(
-            message_class,
-            topic,
-            profile,
-            callback_group=group_of_one(),
-            event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
-        )
-    given = publisher.topic_name
-    if given != topic:
-        node.destroy_publisher(publisher)
-        raise remapped(subject, given)
-    return publisher

@@ -154,7 +154,7 @@ def read_requests(node: Node, topic: str) -> list[Endpoint]:
 def read_holders(
     node: Node, topic: str, type_name: str, own_nodes: Container[str]
 ) -> tuple[TypeHolder, ...]:
-    """Return the nodes that have a type. See `AskedRos.type_holders`."""
+    """Return the nodes that have a type, publishers first, without those that show no hash."""
     endpoints = [*read_offers(node, topic), *read_requests(node, topic)]
     return tuple(
         dict.fromkeys(

@@ -6,6 +6,7 @@ for the name as requested would then hold for another one.
 """
 
 import re
+from functools import partial
 from typing import Final, Literal
 
 from gateway.sources.source import RosError
@@ -20,33 +21,6 @@ MAX_ACTION_CHARACTERS: Final = MAX_TOPIC_CHARACTERS - len("/_action/cancel_goal"
 _NAME = re.compile(r"(?:/[A-Za-z_][A-Za-z0-9_]*)+", re.ASCII)
 _TYPE = re.compile(r"([a-z][a-z0-9_]*)/(msg|srv|action)/([A-Z][A-Za-z0-9]*)", re.ASCII)
 _NOUNS: Final = {"msg": "message", "srv": "service", "action": "action"}
-
-
-def check_topic(topic: str) -> None:
-    """Accept a fully qualified topic name and nothing else.
-
-    Raises:
-        RosError: ``bad_name``.
-    """
-    _check("topic", topic, MAX_TOPIC_CHARACTERS, example="/odom")
-
-
-def check_service(service: str) -> None:
-    """Accept a fully qualified service name and nothing else.
-
-    Raises:
-        RosError: ``bad_name``.
-    """
-    _check("service", service, MAX_TOPIC_CHARACTERS, example="/reset")
-
-
-def check_action(action: str) -> None:
-    """Accept a fully qualified action name and nothing else.
-
-    Raises:
-        RosError: ``bad_name``.
-    """
-    _check("action", action, MAX_ACTION_CHARACTERS, example="/dock")
 
 
 def split_type(type_name: str, kind: TypeKind = "msg") -> tuple[str, str]:
@@ -64,9 +38,19 @@ def split_type(type_name: str, kind: TypeKind = "msg") -> tuple[str, str]:
     return match[1], match[3]
 
 
-def _check(noun: str, name: str, limit: int, *, example: str) -> None:
+def _check(noun: str, limit: int, example: str, name: str) -> None:
+    """Accept a fully qualified name and nothing else.
+
+    Raises:
+        RosError: ``bad_name``.
+    """
     if len(name) > limit:
         raise RosError("bad_name", f"{noun} name has {len(name)} characters, at most {limit}")
     if not _NAME.fullmatch(name):
         expected = f"fully qualified {noun} name such as {example}"
         raise RosError("bad_name", f"{name!r} is not a {expected}")
+
+
+check_topic: Final = partial(_check, "topic", MAX_TOPIC_CHARACTERS, "/odom")
+check_service: Final = partial(_check, "service", MAX_TOPIC_CHARACTERS, "/reset")
+check_action: Final = partial(_check, "action", MAX_ACTION_CHARACTERS, "/dock")

@@ -6,15 +6,15 @@ A node has a service for that, ``~/get_type_description``, since Iron.
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from itertools import chain
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Any, Final, NamedTuple
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import Types
 from gateway.sources.client_cache import ClientCache
-from gateway.sources.services import ServiceClient, Services
-from gateway.sources.source import RosError
+from gateway.sources.services import ServiceClient
+from gateway.sources.source import Ros, RosError
 from schemas.definition import Definition, DefinitionError
 from schemas.described import described_definitions
 from schemas.installed import InstalledDefinitions, UnknownTypeError
@@ -52,36 +52,26 @@ class _Silence(NamedTuple):
     why: str
 
 
-class AskedRos(Protocol):
-    """The part of ROS by which nodes are asked."""
-
-    def topics(self) -> Mapping[str, Sequence[str]]:
-        """Return the types of all topics."""
-
-    def type_holders(self, topic: str, type_name: str) -> Sequence[TypeHolder]:
-        """Return the other nodes that publish a type on a topic, then those that subscribe to it.
-
-        Nodes that do not show a hash are left out.
-        """
-
-    def service_types(self, service: str) -> tuple[str, ...]:
-        """Return the types of a service."""
-
-    @property
-    def services(self) -> Services:
-        """The part that calls services."""
-
-    async def make_types(self) -> None:
-        """Find out whether topics of types that are not installed can be used here."""
-
-
 class NodeDefinitions:
-    """Asks nodes for definitions. *on_change* is called when a node may be asked again."""
+    """Asks nodes for definitions. *on_change* is called when a node may be asked again.
+
+    *holders* returns the other nodes that publish a type on a topic, then those that subscribe to
+    it, without nodes that do not show a hash. Topics of types that are not installed can be used
+    once *make_types* has ended.
+    """
 
     def __init__(
-        self, ros: AskedRos, definitions: InstalledDefinitions, on_change: Callable[[], None]
+        self,
+        ros: Ros,
+        definitions: InstalledDefinitions,
+        on_change: Callable[[], None],
+        *,
+        holders: Callable[[str, str], Sequence[TypeHolder]],
+        make_types: Callable[[], Awaitable[None]],
     ) -> None:
         self._ros = ros
+        self._holders_on = holders
+        self._make_types = make_types
         self._definitions = definitions
         self._types = Types(definitions)
         self._on_change = on_change
@@ -119,7 +109,7 @@ class NodeDefinitions:
         why = next(filter(None, reasons), "")
         async with self._slots:
             if asked:
-                await self._ros.make_types()
+                await self._make_types()
             for holder in asked[:ASKED_NODES]:
                 try:
                     return await self._ask(type_name, holder)
@@ -149,7 +139,7 @@ class NodeDefinitions:
         found: dict[TypeHolder, None] = {}
         for topic, type_names in self._ros.topics().items():
             if type_name in type_names:
-                holders = self._ros.type_holders(topic, type_name)
+                holders = self._holders_on(topic, type_name)
                 if known in {each.type_hash for each in holders}:
                     return ()
                 found |= dict.fromkeys(holders)

@@ -24,7 +24,7 @@ from gateway.sources.rclpy.graph import (
 )
 from gateway.sources.rclpy.known_graph import KnownGraph
 from gateway.sources.rclpy.message_classes import MessageClasses
-from gateway.sources.rclpy.node_definitions import NodeDefinitions, TypeHolder
+from gateway.sources.rclpy.node_definitions import NodeDefinitions
 from gateway.sources.rclpy.nodes import Nodes
 from gateway.sources.rclpy.options import RosOptions, check_room
 from gateway.sources.rclpy.publishers import Publishers, RclpyPublisher
@@ -34,8 +34,7 @@ from gateway.sources.rclpy.ready_events import Endpoints, ReadyEvents
 from gateway.sources.rclpy.same_names import SameNames
 from gateway.sources.rclpy.samples import Samples
 from gateway.sources.rclpy.servers import RclpyActions, RclpyServices
-from gateway.sources.rclpy.time_jumps import JumpWatch
-from gateway.sources.rclpy.watches import GraphWatch, GraphWatches
+from gateway.sources.rclpy.watches import GraphWatch, GraphWatches, JumpWatch
 from gateway.sources.source import (
     LogLevel,
     Qos,
@@ -178,18 +177,9 @@ class RclpyRos:
         """Ask nodes for the definition of a type. See the port."""
         return None if self._told is None else await self._told.of(type_name)
 
-    async def make_types(self) -> None:
-        """Find out whether types can be made here. See `AskedRos`."""
-        await self._classes.make_types()
-
     def topics(self) -> dict[str, list[str]]:
         """Return the types of all topics. See the port."""
         return dict(self._debug.get_topic_names_and_types())
-
-    def type_holders(self, topic: str, type_name: str) -> tuple[TypeHolder, ...]:
-        """Return the nodes that have a type. See `AskedRos`."""
-        own = self._nodes.own | {self._options.guard_node}
-        return read_holders(self._debug, topic, type_name, own)
 
     def readers(self, topic: str) -> frozenset[str]:
         """Return the ids of other nodes' subscriptions, as they are known now. See the port."""
@@ -285,7 +275,15 @@ class RclpyRos:
         known = self._classes.definitions
         if known is None or not self._options.asks_nodes:
             return None
-        told = NodeDefinitions(self, known, self._watches.notify)
+        told = NodeDefinitions(
+            self,
+            known,
+            self._watches.notify,
+            holders=partial(
+                read_holders, self._debug, own_nodes=self._nodes.own | {self._options.guard_node}
+            ),
+            make_types=self._classes.make_types,
+        )
         undo.callback(told.close)
         return told
 

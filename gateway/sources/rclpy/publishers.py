@@ -9,20 +9,19 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
 from gateway.sources.rclpy import rclpy_private
+from gateway.sources.rclpy.creating import create_publisher
 from gateway.sources.rclpy.deferred_destruction import Deferred, DeferredDestruction
-from gateway.sources.rclpy.errors import REFUSALS, creation, refused, remapped
+from gateway.sources.rclpy.errors import REFUSALS, refused
 from gateway.sources.rclpy.graph import read_requests
-from gateway.sources.rclpy.groups import group_of_one
 from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.name_checks import check_topic
 from gateway.sources.rclpy.profile import to_profile
 from gateway.sources.rclpy.qos import Endpoint, complete_offer, retains, unmatched_subscribers
 from gateway.sources.rclpy.qos_events import QosEvents, QosWatch
-from gateway.sources.rclpy.type_versions import other_versions
+from gateway.sources.rclpy.versions import other_versions
 from gateway.sources.source import Qos, TopicEvent
 
 
@@ -184,18 +183,8 @@ class Publishers:
     def _create(self, key: _Key) -> Any:
         found = self._classes.get(key.type_name)
         node = self._node_for(key.topic)
-        with creation(f"topic {key.topic}"):
-            publisher = node.create_publisher(
-                found,
-                key.topic,
-                to_profile(key.qos),
-                callback_group=group_of_one(),
-                event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
-            )
-        given = publisher.topic_name
-        if given != key.topic:
-            node.destroy_publisher(publisher)
-            raise remapped(f"topic {key.topic}", given)
+        profile = to_profile(key.qos)
+        publisher = create_publisher(node, f"topic {key.topic}", key.topic, found, profile)
         self._on_change()
         return publisher
 

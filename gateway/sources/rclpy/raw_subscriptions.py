@@ -24,7 +24,7 @@ from gateway.sources.rclpy.qos import (
 )
 from gateway.sources.rclpy.qos_events import QosEvents, QosWatch
 from gateway.sources.rclpy.samples import OnLost, Reader, Samples, unheard
-from gateway.sources.rclpy.type_versions import other_versions
+from gateway.sources.rclpy.versions import other_versions
 from gateway.sources.source import (
     BRIEF_LIFESPAN_NS,
     MAX_TAKES_PER_TURN,

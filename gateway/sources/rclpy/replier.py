@@ -11,8 +11,8 @@ from typing import Any, Final
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.sources.rclpy import rclpy_private
+from gateway.sources.rclpy.creating import group_of_one
 from gateway.sources.rclpy.errors import creation, losses, remapped
-from gateway.sources.rclpy.groups import group_of_one
 from gateway.sources.rclpy.ready_events import SERVICE_PROFILE, Endpoints
 
 # rmw waits 0.1 s, and blocks the event loop, for a client whose reader DDS has not matched yet, as

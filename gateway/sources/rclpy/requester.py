@@ -11,8 +11,8 @@ from collections.abc import Callable, Collection
 from typing import Any, Final, NamedTuple
 
 from gateway.sources.rclpy import rclpy_private
+from gateway.sources.rclpy.creating import group_of_one
 from gateway.sources.rclpy.errors import REFUSALS, creation, refused, remapped
-from gateway.sources.rclpy.groups import group_of_one
 from gateway.sources.rclpy.ready_events import SERVICE_PROFILE, Endpoints
 from gateway.sources.source import MAX_TAKES_PER_TURN, RosError
 
@@ -25,7 +25,7 @@ LOOK_S: Final = 0.02
 MAX_IN_FLIGHT: Final = 10
 PACING_S: Final = 1.0
 
-# Servers by their DDS readers. See `gateway.sources.rclpy.service_versions`.
+# Servers by their DDS readers. See `gateway.sources.rclpy.versions`.
 FindConflict = Callable[[frozenset[bytes]], RosError | None]
 
 

@@ -10,7 +10,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.sources.rclpy.groups import group_of_one
+from gateway.sources.rclpy.creating import group_of_one
 from gateway.sources.rclpy.large_takes import (
     LARGE_SAMPLE_BYTES,
     TAKES_AT_ONCE,

@@ -2,7 +2,7 @@
 """The services, and the actions, that are open through the port."""
 
 from collections.abc import Callable, Iterator
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 from gateway.sources.actions import GoalRequest
 from gateway.sources.graph import ServerInfo
@@ -14,7 +14,7 @@ from gateway.sources.rclpy.name_checks import check_action, check_service
 from gateway.sources.rclpy.ready_events import Endpoints
 from gateway.sources.rclpy.samples import Samples
 from gateway.sources.rclpy.service_entities import RclpyClient, RclpyService
-from gateway.sources.rclpy.service_versions import Versions, of_action, of_service
+from gateway.sources.rclpy.versions import Versions, of_action, of_service
 from gateway.sources.services import ServiceRequest
 from gateway.sources.source import RosError
 
@@ -22,27 +22,8 @@ from gateway.sources.source import RosError
 CheckNew = Callable[[str, str, str | None], None]
 
 
-class _Client(Protocol):
-    name: str
-    type_name: str
-
-    def follow_graph(self) -> None: ...
-
-
-class _Server(Protocol):
-    name: str
-    type_name: str
-
-    @property
-    def has_answered(self) -> bool: ...
-
-    def close(self) -> None: ...
-
-    def destroy(self) -> None: ...
-
-
-C = TypeVar("C", bound=_Client)
-S = TypeVar("S", bound=_Server)
+C = TypeVar("C", RclpyClient, RclpyActionClient)
+S = TypeVar("S", RclpyService, RclpyActionServer)
 
 
 class _Open(Generic[C, S]):

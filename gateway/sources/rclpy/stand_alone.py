@@ -7,13 +7,12 @@ from typing import Any, Self
 
 from rclpy.context import Context
 from rclpy.duration import Duration
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from gateway.sources.rclpy.errors import REFUSALS, refused, remapped
-from gateway.sources.rclpy.groups import group_of_one
+from gateway.sources.rclpy.creating import create_publisher
+from gateway.sources.rclpy.errors import REFUSALS, refused
 from gateway.sources.rclpy.interfaces import message_class
 from gateway.sources.rclpy.name_checks import check_topic
 from gateway.sources.rclpy.shared_memory import without_shared_memory
@@ -70,19 +69,7 @@ class StandAlone:
             depth=1,
             lifespan=Duration(nanoseconds=lifespan_ns),
         )
-        try:
-            publisher = self._node.create_publisher(
-                found,
-                topic,
-                newest,
-                callback_group=group_of_one(),
-                event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
-            )
-        except REFUSALS as error:
-            raise refused(f"topic {topic}", error) from error
-        if publisher.topic_name != topic:
-            self._node.destroy_publisher(publisher)
-            raise remapped(f"topic {topic}", publisher.topic_name)
+        publisher = create_publisher(self._node, f"topic {topic}", topic, found, newest)
         self._publishers.append(publisher)
         return StandAlonePublisher(self, publisher)
 

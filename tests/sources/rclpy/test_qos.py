@@ -19,7 +19,7 @@ from gateway.sources.rclpy.qos import (
     unmatched_publishers,
     unmatched_subscribers,
 )
-from gateway.sources.rclpy.type_versions import other_versions
+from gateway.sources.rclpy.versions import other_versions
 from gateway.sources.source import Durability, Qos, Reliability
 from schemas.installed import InstalledDefinitions
 

@@ -1,27 +1,46 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Services and actions of one type name and two definitions, as REP-2011's hashes tell them apart.
+"""Types of one name and two definitions, as REP-2011's hashes tell them apart.
 
-DDS matches the topics behind them by the names of their types alone, so a request or a response of
-the other definition arrives, and is read wrongly.
+DDS matches topics, also those behind services and actions, by the names of their types alone. So
+messages of the other definition arrive, and are read wrongly.
 """
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 from rclpy.node import Node
 
 from gateway.sources.rclpy.profile import endpoint_node, type_hash
-from gateway.sources.rclpy.qos import UNKNOWN_NODE
-from gateway.sources.rclpy.type_versions import REMEDY
-from gateway.sources.source import RosError
+from gateway.sources.rclpy.qos import UNKNOWN_NODE, Endpoint, introduced
+from gateway.sources.source import RosError, TopicEvent
 from schemas.interface import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL
+
+REMEDY: Final = "bring its package, or the folder in types.paths, to the same version everywhere"
 
 _logger = logging.getLogger(__name__)
 
 # the hash of the definition here, of names such as pkg/srv/Name_Request. None if it is unknown
 HashOf = Callable[[str], str | None]
+
+
+def other_versions(
+    topic: str, type_name: str, own_hash: str | None, endpoints: Iterable[Endpoint]
+) -> list[TopicEvent]:
+    """Describe the nodes whose type of this name has another hash, each once."""
+    if own_hash is None:
+        return []
+    nodes = dict.fromkeys(
+        endpoint.node
+        for endpoint in introduced(endpoints)
+        if endpoint.type_name == type_name and endpoint.type_hash not in {None, own_hash}
+    )
+    problem = f"has another definition of {type_name} than this gateway, so messages are misread"
+    return [
+        TopicEvent("type_conflict", f"topic {topic}: {node} {problem}", REMEDY, node)
+        for node in nodes
+    ]
 
 
 @dataclass(frozen=True, slots=True)
