@@ -14,8 +14,8 @@ from gateway.sources.rclpy.errors import creation, remapped
 def group_of_one() -> CallbackGroup:
     """Return a group for one entity, which ends with it.
 
-    In rclpy 7.1 a group never forgets the entities that it had. A node's default group lives as long
-    as the node, while clients open and close entities all day.
+    In rclpy 7.1 a group never forgets the entities that it had. A node's default group lives as
+    long as the node, while clients open and close entities all day.
     """
     return ReentrantCallbackGroup()
 
