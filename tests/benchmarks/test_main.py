@@ -79,37 +79,30 @@ def test_a_comparison_fails_where_a_ratio_is_worse(tmp_path, stored, code, capsy
     assert ("WORSE" in capsys.readouterr().out) == bool(code)
 
 
-def test_a_comparison_measures_what_is_compared_by_default(tmp_path, capsys):
+def test_a_comparison_measures_what_is_compared_by_default_and_needs_a_ratio(tmp_path, capsys):
     figures.write(tmp_path / "ref.json", [figures.ratio("odometry", "cpu", 1.0)])
     command.main(["--compare", "ref"])
     measured = [line for line in capsys.readouterr().out.splitlines() if "measuring" in line]
     assert measured == [f"measuring {name} ..." for name in COMPARED]
-
-
-def test_a_comparison_with_nothing_in_common_fails(tmp_path, capsys):
-    figures.write(tmp_path / "ref.json", [figures.ratio("odometry", "cpu", 1.0)])
     assert command.main(["codec", "--compare", "ref"]) == 1
     assert "no ratio of what was measured" in capsys.readouterr().err
 
 
-def test_a_measurement_that_fails_is_said_in_one_line_and_costs_no_other(
-    monkeypatch, tmp_path, capsys
+@pytest.mark.parametrize(
+    ("error", "order", "code", "said"),
+    [
+        (BenchmarkError("it has ended"), ["codec", "idle"], 1, "codec: it has ended\n"),
+        (KeyboardInterrupt(), ["idle", "codec"], 130, ""),
+    ],
+)
+def test_a_measurement_that_fails_or_is_interrupted_costs_no_figures_of_others(
+    monkeypatch, tmp_path, capsys, error, order, code, said
 ):
     def fail(_):
-        raise BenchmarkError("client has ended unexpectedly")
+        raise error
 
     monkeypatch.setitem(SCENARIOS, "codec", Scenario("", "", fail))
     file = tmp_path / "some.json"
-    assert command.main(["codec", "idle", "--json", str(file)]) == 1
-    assert capsys.readouterr().err == "codec: client has ended unexpectedly\n"
-    assert [one.scenario for one in figures.read(str(file))] == ["idle"]
-
-
-def test_the_figures_so_far_are_written_at_ctrl_c(monkeypatch, tmp_path):
-    def interrupt(_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setitem(SCENARIOS, "codec", Scenario("", "", interrupt))
-    file = tmp_path / "some.json"
-    assert command.main(["idle", "codec", "--json", str(file)]) == 130
+    assert command.main([*order, "--json", str(file)]) == code
+    assert capsys.readouterr().err.startswith(said)
     assert [one.scenario for one in figures.read(str(file))] == ["idle"]

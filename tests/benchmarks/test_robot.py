@@ -29,10 +29,10 @@ def test_it_has_20_topics_with_cameras_and_what_is_latched():
     assert {"map", "tf_static"} <= {n for n, one in ROBOT.items() if one.rate_hz == LATCHED}
 
 
-@pytest.mark.parametrize("name", ROBOT)
-def test_the_gateway_reads_each_message(name):
-    codec = TYPES.get(ROBOT[name].type_name())
-    assert codec.decode(bytes(serialize_message(ROBOT[name].make())))
+def test_the_gateway_reads_each_message():
+    for topic in ROBOT.values():
+        codec = TYPES.get(topic.type_name())
+        assert codec.decode(bytes(serialize_message(topic.make())))
 
 
 @pytest.mark.parametrize("options", PICTURE_OPTIONS)

@@ -43,8 +43,3 @@ def test_the_time_of_sending_is_read_from_messages_and_from_frames(name):
         found = sample.clockwork.pattern.search(text)
         assert found is not None
         assert sample.clockwork.parse(found) == NOW_NS
-
-
-def test_the_types_names_are_those_of_ros():
-    assert message_type("odometry") == "nav_msgs/msg/Odometry"
-    assert message_type("point-cloud") == "sensor_msgs/msg/PointCloud2"

@@ -23,11 +23,7 @@ class Accounting:
 
     pages: int = 0
     sums: int = 0
-    dropped: float = 0
-    """The most drops that a page has reported, of all clients together."""
     faults: list[str] = field(default_factory=list)
-    absent: str | None = None
-    """Why nothing could be checked."""
 
     def check(self, page: str) -> None:
         """Check all sums of a page."""
@@ -45,7 +41,6 @@ class Accounting:
                     f"{name} {value:.0f}" for name, value in zip(WHERE_TO, found, strict=True)
                 )
                 self.faults.append(f"{series}: received {count:.0f}, but {said}")
-        self.dropped = max(self.dropped, sum(parts[WHERE_TO.index("dropped_total")].values()))
 
 
 def samples(page: str) -> dict[str, dict[Series, float]]:

@@ -4,11 +4,8 @@
 import asyncio
 import os
 from dataclasses import dataclass, field
-from typing import Final
 
 from tests.soak.actor import Actor
-
-OVERLOAD: Final = 3.0  # of the load average for each core. The soak itself makes about one
 
 
 @dataclass
@@ -25,11 +22,6 @@ class Machine:
             self.late += [(at_s, by_s) for at_s, by_s in await control.ask("late")]
             self.loads.append(os.getloadavg()[0])
             await asyncio.sleep(1)
-
-    def is_overloaded(self) -> bool:
-        """Return whether others used the machine so much that no time is the gateway's own."""
-        cores = len(os.sched_getaffinity(0))
-        return bool(self.loads) and sum(self.loads) / len(self.loads) > OVERLOAD * cores
 
     def worst_s(self, since_s: float, until_s: float) -> float:
         """Return by how much the latest sleep was late that overlaps a time."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from tests.soak.record import Record
-from tests.soak.verdicts import NOT_JUDGED, Verdict
+from tests.soak.verdicts import Verdict
 
 MARK: Final = "<!-- results: written by `make soak`, below this line -->"
 
@@ -30,10 +30,7 @@ def write(path: Path, result: str) -> None:
 def summary(verdicts: Sequence[Verdict]) -> str:
     """Return the outcome in a line."""
     failed = [one.subject for one in verdicts if one.failed]
-    aside = [one.subject for one in verdicts if one.word.startswith(NOT_JUDGED)]
-    text = f"{len(verdicts) - len(failed) - len(aside)} held, {len(failed)} failed"
-    if aside:
-        text += f", {len(aside)} not judged ({', '.join(aside)})"
+    text = f"{len(verdicts) - len(failed)} held, {len(failed)} failed"
     return text + (f": {', '.join(failed)}" if failed else "")
 
 

@@ -10,7 +10,7 @@ from tests.soak.driving import Fault
 from tests.soak.load import CAMERA, NUMBERS, TOPICS
 from tests.soak.machine import Machine
 from tests.soak.record import BAD_LINK, FROZEN, GOOD, Exit, Record
-from tests.soak.verdicts import HELD, NOT_JUDGED, judge
+from tests.soak.verdicts import judge
 from tests.soak.vitals import Leftovers, Vitals
 
 SECONDS = 1200
@@ -74,7 +74,7 @@ def sequence(**changes):
 
 
 def failing(found: Record, *, strict: bool = True) -> list[str]:
-    return [one.subject for one in judge(found, strict=strict) if one.word != HELD]
+    return [one.subject for one in judge(found, strict=strict) if one.failed]
 
 
 def unequal() -> Accounting:
@@ -170,75 +170,53 @@ def late(at_s: float, by_s: float) -> Machine:
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    ("changes", "subject"),
     [
         (
             {"faults": [Fault("link black", 99.9, 0.7, 0.6)], "machine": late(100.3, 0.2)},
-            "1 while the machine was 200 ms late",
+            "robot stops, link black",
         ),
         (
             {
                 "clients": client(GOOD[0], gaps={CAMERA.name: [(99.0, 101.5)]}),
                 "machine": late(101.4, 2.0),
             },
-            "slept 2.00 s too long, waited 0.00 s for cores",
+            "longest silence",
         ),
-        ({"exit": Exit(0, 4.0, 3.0, 1210.0, 0.01, (), 0)}, "it waited 3.00 s for a core"),
+        ({"exit": Exit(0, 4.0, 3.0, 1210.0, 0.01, (), 0)}, "exit by SIGTERM"),
+        ({"vitals": vitals(lambda at: 80.0 + (30 if at > 600 else 0))}, "memory grows by"),
     ],
-    ids=["fault", "silence", "exit"],
+    ids=["fault", "silence", "exit", "a step"],
 )
-def test_a_late_machine_is_named_strictly_and_allowed_for_leniently(changes, words):
-    [verdict] = [one for one in judge(record(**changes), strict=True) if one.word != HELD]
-    assert verdict.word == f"{NOT_JUDGED}: {words}"
+def test_a_late_machine_is_allowed_for_leniently(changes, subject):
+    assert failing(record(**changes)) == [subject]
     assert failing(record(**changes), strict=False) == []
 
 
-def test_round_trips_are_not_judged_while_an_echo_gets_slower_too():
-    trips = [
-        (at / 10, *((0.002, 0.001) if at < SECONDS * 7 else (0.02, 0.01)))
-        for at in range(SECONDS * 10)
+def test_round_trips_may_get_slower_as_an_echo_does_leniently():
+    slow = [
+        (at / 10, *((0.02, 0.01) if at > SECONDS * 7 else (0.002, 0.001))) for at in range(12000)
     ]
-    clients = {name: listener(round_trips=trips) for name in (*GOOD, BAD_LINK, FROZEN)}
-    [verdict] = [one for one in judge(record(clients=clients), strict=True) if one.word != HELD]
-    assert verdict.word == f"{NOT_JUDGED}: the echo also got slower"
+    clients = {name: listener(round_trips=slow) for name in (*GOOD, BAD_LINK, FROZEN)}
+    assert failing(record(clients=clients)) == ["p99 of round trips, first to last"]
+    assert failing(record(clients=clients), strict=False) == []
+
+
+def test_numbers_that_the_bare_subscriber_also_misses_are_not_the_gateways():
+    bare = listener(**sequence(missing=1))
+    assert failing(record(bare=bare, clients=client(GOOD[0], **sequence(missing=1)))) == []
 
 
 def test_a_short_soak_may_reserve_something_once():
     once = vitals(lambda at: 80.0 + (6 if at > 150 else 0))[:31]
     assert failing(record(vitals=once, end_s=300.0)) == []
     grows = vitals(lambda at: 80.0 + at / 5)[:31]
-    [verdict] = [one for one in judge(record(vitals=grows, end_s=300.0), strict=True) if one.failed]
-    assert verdict.subject == "memory grows by"
+    assert failing(record(vitals=grows, end_s=300.0)) == ["memory grows by"]
 
 
-@pytest.mark.parametrize("strict", [True, False])
-def test_an_end_by_force_is_excused_by_the_wait_for_cores_alone(strict):
+def test_an_end_by_force_is_excused_leniently_by_the_wait_for_cores_alone():
     forced = Exit(1, 2.0, 1.5, 1210.0, 0.01, ("a",), 0, was_forced=True)
-    words = [one.word for one in judge(record(exit=forced), strict=strict) if one.word != HELD]
-    assert words == [f"{NOT_JUDGED}: ended by force, it waited 1.50 s"] * 2
-    assert failing(record(exit=replace(forced, waited_s=0.1)), strict=strict) == [
-        "exit code",
-        "files left in /dev/shm",
-    ]
-
-
-def test_a_step_is_growth_strictly_and_none_leniently():
-    step = vitals(lambda at: 80.0 + (30 if at > 600 else 0))
-    assert failing(record(vitals=step)) == ["memory grows by"]
-    assert failing(record(vitals=step), strict=False) == []
-
-
-def test_on_an_overloaded_machine_times_are_not_judged_and_all_else_is():
-    overloaded = Machine(loads=[1000.0])
-    slow = [Fault("link black", 100.0, 9.0, 0.6)]
-    moved = [Fault("link black", 100.0, 0.5, 0.6, moved_again=True)]
-    [verdict] = [
-        one
-        for one in judge(record(faults=slow, machine=overloaded), strict=True)
-        if one.word != HELD
-    ]
-    assert verdict.word == f"{NOT_JUDGED}: the load average was 1000"
-    [verdict] = [
-        one for one in judge(record(faults=moved, machine=overloaded), strict=True) if one.failed
-    ]
-    assert verdict.subject == "robot stops, link black"
+    assert failing(record(exit=forced), strict=False) == []
+    wrong = ["exit code", "files left in /dev/shm"]
+    assert failing(record(exit=forced)) == wrong
+    assert failing(record(exit=replace(forced, waited_s=0.1)), strict=False) == wrong
