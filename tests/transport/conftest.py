@@ -55,9 +55,16 @@ TABLE = Table.load()
 Serve = Callable[..., AbstractAsyncContextManager[Served]]
 
 
-def pytest_asyncio_loop_factories() -> dict[str, Callable[[], asyncio.AbstractEventLoop]]:
-    """Run every test here on both loops: their transports differ where it matters."""
-    return {"asyncio": asyncio.new_event_loop, "uvloop": uvloop.new_event_loop}
+# where a transport of asyncio and one of uvloop may differ
+BOTH_LOOPS = ("batches", "end", "lan_discovery", "picture_streams", "server", "tls")
+
+
+def pytest_asyncio_loop_factories(item: pytest.Item) -> dict[str, Callable[[], Any]]:
+    """Run tests on the loop of the gateway, and those of sockets on asyncio's as well."""
+    loops = {"uvloop": uvloop.new_event_loop}
+    if item.path.stem.removeprefix("test_") in BOTH_LOOPS:
+        loops["asyncio"] = asyncio.new_event_loop
+    return loops
 
 
 @pytest.fixture(autouse=True)

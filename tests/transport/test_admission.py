@@ -157,12 +157,6 @@ async def test_a_token_in_the_first_frame_opens_the_door(serve: Serve):
         assert len(door.of("connected")) == 1
 
 
-async def test_an_auth_without_id_is_not_answered(serve: Serve):
-    async with Door(serve).open() as served, client(served.url) as speaker:
-        await speaker.send(op="auth", token=OPERATORS)
-        assert await speaker.sync() == []
-
-
 async def test_before_its_token_everything_is_refused_with_words(serve: Serve):
     async with Door(serve).open() as served, client(served.url) as speaker:
         for operation in ("ping", "hello", "graph"):
@@ -284,16 +278,6 @@ def test_64_operations_without_a_token_are_not_abuse_yet():
     waiting.session.refused += 1
     admission.tick(0.2)
     assert waiting.closed == [1008]
-
-
-async def test_too_many_operations_without_a_token_are_abuse(serve: Serve):
-    async with Door(serve).open() as served, client(served.url) as speaker:
-        for _ in range(64 + 1):
-            await speaker.send(op="ping")
-        assert await closing(speaker) == (
-            1008,
-            "too many operations without a token: send the token first",
-        )
 
 
 async def test_so_many_clients_wait_for_their_token_and_the_oldest_makes_room(serve: Serve):

@@ -894,33 +894,11 @@ async def test_a_page_has_35_s_to_be_read_and_its_connection_a_second_to_close(s
         assert quick.transport.is_aborted
 
 
-def test_each_5_s_a_client_is_sent_a_ping_which_it_need_not_answer(wire: Wire):
-    for _ in range(20):
-        wire.pass_time(4.99)
-        assert wire.transport.unsent == b""
-        wire.pass_time(0.02)
-        assert wire.transport.unsent == bytes((0x80 | Opcode.PING, 0))
-        wire.transport.unsent = b""
-    assert not wire.transport.is_aborted
-    wire.pass_time(0, heard=PONG)
-    assert wire.connection.keep_alive.round_trip_s == pytest.approx(19 * 5.01)
-
-
 def test_the_closing_handshake_has_a_second(wire: Wire):
     wire.connection.close(1000, "enough")
     wire.pass_time(0.99)
     assert not wire.transport.is_aborted
     wire.pass_time(0.02)
-    assert wire.transport.is_aborted
-
-
-def test_a_client_that_accepts_nothing_for_30_s_is_cut_off(wire: Wire):
-    wire.transport.unsent = b"x" * 100
-    wire.connection.pause_writing()
-    for taken in (1, 1, 0):
-        wire.pass_time(29.99, taken=taken)
-        assert not wire.transport.is_aborted
-    wire.pass_time(1, heard=PONG)
     assert wire.transport.is_aborted
 
 

@@ -7,7 +7,6 @@ import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from typing import Any
-from unittest.mock import ANY
 
 import pytest
 from blockbuster import blockbuster_ctx
@@ -23,7 +22,7 @@ from tests.client import TIMEOUT_S, client, eventually
 from tests.metrics.states import state
 from tests.transport.conftest import Serve, Served
 from tests.transport.test_admission import OPERATORS, VIEWERS, Door, bearer
-from tests.transport.test_server import handshake, masked, status_of, upgrade
+from tests.transport.test_server import handshake, masked, status_of
 
 STRING = "std_msgs/msg/String"
 COUNTS = ("sent_total", "coalesced_total", "dropped_total", "pending")
@@ -244,15 +243,15 @@ async def test_a_message_that_cannot_be_encoded_is_not_dropped_by_a_full_queue(s
 
 
 async def test_a_client_that_always_asks_for_new_names_leaves_no_series(serve: Serve):
-    async with serve({"max_subscriptions": 64}) as served, client(served.url) as curious:
+    async with serve({"max_subscriptions": 16}) as served, client(served.url) as curious:
         before = (await scrape(served)).text.count("\n")
-        for number in range(1000):
+        for number in range(200):
             await curious.send(op="subscribe", topic=f"/made_up{number}")
             await curious.send(op="unsubscribe", topic=f"/made_up{number}")
         await curious.sync()
         page = await scrape(served)
         assert "/made_up" not in page.text
-        assert page.text.count("\n") < before + 100
+        assert page.text.count("\n") < before + 20
 
 
 async def test_without_a_token_where_one_is_needed_nothing_is_told(serve: Serve):
@@ -310,23 +309,6 @@ async def test_pages_of_others_and_foreign_hosts_get_no_metrics(serve: Serve):
         assert await status_of(served, with_token) == 400
         page = await scrape(served)
         refused = {("origin",): 2, ("host",): 1, ("malformed",): 1}
-        assert page.values("handshakes_refused_total") == refused
-
-
-async def test_ends_and_refusals_are_counted_by_a_closed_set_of_words(serve: Serve):
-    async with serve({"max_clients": 1}) as served:
-        async with client(served.url) as one, client(served.url) as other:
-            await one.sync()
-            assert (await other.status())["code"] == "limit_exceeded"
-            await other.socket.wait_closed()
-            await one.socket.close(3456, "as I like")
-        await eventually(lambda: served.clients == 0)
-        assert await status_of(served, upgrade("Host: evil.example")) == 421
-        page = await scrape(served)
-        ends = page.values("connections_ended_total")  # by, code, reason
-        assert ends["client", "other", "closed"] == 1
-        assert ends["gateway", "1013", "over_capacity"] == 1
-        refused = {("over_capacity",): 1, ("host",): 1}
         assert page.values("handshakes_refused_total") == refused
 
 
@@ -498,12 +480,6 @@ async def test_head_writes_no_page_and_needs_a_token_as_well(serve, monkeypatch)
     status, headers, text = found
     assert (status, text, headers["Content-Length"]) == (200, "", None)
     assert headers["Content-Type"] == "text/plain; version=0.0.4; charset=utf-8"
-
-
-async def test_a_large_page_arrives_whole(serve: Serve, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(scrapes_module, "pieces", lambda _: ["x" * 100_000] * 80)
-    async with serve() as served:
-        assert await asyncio.to_thread(fetch, served) == (200, ANY, "x" * 8_000_000)
 
 
 async def test_a_scraper_that_leaves_early_does_not_disturb_others(serve: Serve):

@@ -16,7 +16,6 @@ from gateway.core.topics.encoding import Encoding
 from gateway.errors import BindError
 from gateway.sources.source import Qos
 from gateway.transport import inbound
-from gateway.transport.connection import Connection
 from gateway.transport.end import End, Why
 from gateway.transport.server import TICK_S, Door
 from tests.client import TIMEOUT_S, Client, client, eventually
@@ -55,15 +54,6 @@ def masked(opcode: Opcode, data: bytes, *, fin: bool = True) -> bytes:
     return Frame(opcode, data, fin=fin).serialize(mask=True)
 
 
-async def test_samples_and_answers_reach_a_client(serve: Serve):
-    async with serve() as served, client(served.url) as speaker:
-        publisher = served.ros.add_publisher("/chatter", STRING)
-        await speaker.send(op="subscribe", topic="/chatter")
-        await speaker.sync()
-        publisher.publish(served.cdr(STRING, data="grüß dich"))
-        assert await speaker.message("/chatter") == {"data": "grüß dich"}
-
-
 async def test_the_times_of_clients_and_budgets_are_looked_at_four_times_a_second(serve: Serve):
     assert TICK_S == 0.25
     async with serve() as served:
@@ -85,13 +75,6 @@ async def test_a_binary_frame_may_be_cbor(serve: Serve):
     async with serve() as served, client(served.url) as speaker:
         await speaker.socket.send(cbor2.dumps({"op": "ping", "id": 1, "value": b"\1"}))
         assert (await speaker.receive())["value"] == "AQ=="
-
-
-async def test_operations_of_one_client_are_carried_out_in_order(serve: Serve):
-    async with serve() as served, client(served.url) as speaker:
-        for number in range(100):
-            await speaker.send(op="ping", id=number)
-        assert [(await speaker.receive())["id"] for _ in range(100)] == list(range(100))
 
 
 @pytest.mark.parametrize("size", [2_000, 2_000_000])
@@ -124,7 +107,7 @@ async def test_a_message_too_large_gets_one_status_and_1009(serve: Serve, size, 
     ids=["text", "no-json", "cbor", "large", "token"],
 )
 async def test_a_text_frame_that_is_not_utf_8_gets_a_status_and_1007(serve: Serve, frame: bytes):
-    async with serve() as served, client(served.url) as other:
+    async with serve({"close_timeout_s": 0.1}) as served, client(served.url) as other:
         reader, writer = await handshake(served)
         writer.write(masked(Opcode.TEXT, frame))
         answer = await reader.read()
@@ -152,68 +135,12 @@ async def test_a_binary_frame_that_is_not_utf_8_gets_a_status(serve: Serve):
     ],
 )
 async def test_a_broken_frame_ends_that_connection_alone(serve: Serve, garbage):
-    async with serve() as served, client(served.url) as other:
+    async with serve({"close_timeout_s": 0.1}) as served, client(served.url) as other:
         reader, writer = await handshake(served)
         writer.write(garbage)
         assert (1002).to_bytes(2, "big") in await reader.read()
         assert await other.sync() == []
         writer.close()
-
-
-async def test_a_vanished_client_leaves_nothing_behind(serve: Serve):
-    async with serve() as served:
-        reader, writer = await handshake(served)
-        for operation in (
-            {"op": "subscribe", "topic": "/a", "type": STRING},
-            {"op": "advertise", "topic": "/b", "type": STRING},
-        ):
-            writer.write(masked(Opcode.TEXT, json.dumps(operation).encode()))
-        await eventually(lambda: served.ros.entity_count() == 2)
-        sock = writer.get_extra_info("socket")
-        # a reset, as a headset that falls from the network and returns would cause
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
-        writer.transport.abort()
-        await eventually(lambda: served.ros.entity_count() == 0)
-        assert served.clients == 0
-        del reader
-
-
-async def test_the_last_words_before_a_goodbye_are_heard(serve: Serve):
-    async with serve() as served, client(served.url) as listener:
-        await listener.send(op="subscribe", topic="/chatter", type=STRING)
-        await listener.sync()
-        _, writer = await handshake(served)
-        message = {"op": "publish", "topic": "/chatter", "type": STRING, "msg": {"data": "stop"}}
-        words = masked(Opcode.TEXT, json.dumps(message).encode())
-        writer.write(words + masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))  # in one packet
-        assert await listener.message("/chatter") == {"data": "stop"}
-        writer.close()
-
-
-async def test_nothing_goes_behind_a_close_frame(serve: Serve, caplog):
-    async with serve() as served:
-        publisher = served.ros.add_publisher("/chatter", STRING)
-        reader, writer = await handshake(served)
-        operation = {"op": "subscribe", "topic": "/chatter"}
-        writer.write(masked(Opcode.TEXT, json.dumps(operation).encode()))
-        await eventually(lambda: served.ros.entity_count() == 1)
-        (connection,) = served.server._connections
-        connection.close(1000, "enough")  # the peer has not answered: the session is still there
-        publisher.publish(served.cdr(STRING, data="too late"))
-        writer.write(masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))
-        seen = await reader.read()
-        assert seen.endswith(b"enough")
-        assert b"too late" not in seen
-        assert not [record for record in caplog.records if record.levelname == "ERROR"]
-        writer.close()
-
-
-async def test_shutdown_closes_clients_with_1001(serve: Serve):
-    async with serve() as served:
-        connection = client(served.url)
-        speaker = await connection.__aenter__()
-    assert await closing(speaker) == (1001, "the gateway is shutting down")
-    await connection.__aexit__(None, None, None)
 
 
 async def test_shutdown_does_not_wait_for_a_client_that_does_not_answer(serve: Serve):
@@ -304,15 +231,6 @@ async def test_of_more_than_64_that_were_turned_away_the_oldest_is_cut_off(serve
             served.server.left(each, None, END)
 
 
-async def test_half_open_sockets_do_not_lock_a_client_out(serve: Serve):
-    async with serve() as served:
-        silent = [await asyncio.open_connection("127.0.0.1", served.port) for _ in range(200)]
-        async with client(served.url) as speaker:
-            await speaker.sync()
-        for _, writer in silent:
-            writer.close()
-
-
 async def test_health_is_answered_while_half_open_and_refused_sockets_flood_in(serve: Serve):
     async with serve({"max_clients": 1}) as served, client(served.url):
         silent = [await asyncio.open_connection("127.0.0.1", served.port) for _ in range(100)]
@@ -376,7 +294,7 @@ async def test_a_greedy_pair_does_not_keep_a_third_client_from_its_answers(serve
     async with serve(shares) as served, client(served.url) as third:
         floods = [asyncio.create_task(flood(served)) for _ in range(2)]
         await eventually(lambda: served.server.health()["reading_pauses"] > 10)
-        for _ in range(5):
+        for _ in range(2):
             before = served.server.health()["messages_in"]
             assert await third.sync() == []
             # while it waits, each of the others has some slices of the address's time, not more
@@ -392,7 +310,7 @@ async def test_a_client_that_connects_while_its_address_has_spent_its_time_stays
     monkeypatch.setattr(inbound, "LEFTOVER_S", 0.0)  # of a client that has left
     async with serve() as served:
         budgets = served.server.budgets
-        budgets.join("127.0.0.1").time.spend(2.0, time.monotonic())
+        budgets.join("127.0.0.1").time.spend(0.6, time.monotonic())
         reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
         writer.write(UPGRADE[:20])
         spent_s = budgets.spent_s
@@ -440,14 +358,6 @@ async def test_a_client_that_answers_no_ping_stays_and_a_late_answer_is_measured
         writer.close()
 
 
-async def test_a_frame_flood_is_closed_with_1008(serve: Serve):
-    async with serve({"frames_per_s": 10, "frame_burst": 20}) as served:
-        reader, writer = await handshake(served)
-        writer.write(masked(Opcode.PING, b"") * 100)
-        assert (1008).to_bytes(2, "big") in await reader.read()
-        writer.close()
-
-
 async def test_health_counts_what_a_throttle_replaced_also_of_clients_that_left(serve: Serve):
     async with serve() as served:
         async with client(served.url) as listener:
@@ -483,23 +393,6 @@ async def test_a_client_that_accepts_nothing_is_cut_off_and_does_not_disturb_oth
         del reader
 
 
-async def test_the_queue_of_a_slow_client_is_bounded_and_the_newest_message_arrives(serve: Serve):
-    async with serve() as served:
-        publisher = served.ros.add_publisher("/big", STRING, Qos(depth=100))
-        reader, writer = await handshake(served)
-        writer.write(masked(Opcode.TEXT, b'{"op":"subscribe","topic":"/big","queue_length":3}'))
-        await eventually(lambda: served.ros.entity_count() == 1)
-        for number in range(200):
-            publisher.publish(served.cdr(STRING, data=f"{number} ".ljust(100_000, "x")))
-            await asyncio.sleep(0)
-        await eventually(lambda: served.server.health()["dropped"] > 0)
-        seen = b""
-        async with asyncio.timeout(TIMEOUT_S):
-            while b'"199 ' not in seen:
-                seen = seen[-50:] + await reader.read(1 << 20)
-        writer.close()
-
-
 def get(served: Served, path: str, method: str = "GET") -> tuple[int, str, str]:
     request = urllib.request.Request(f"http://127.0.0.1:{served.port}{path}", method=method)
     try:
@@ -527,14 +420,6 @@ async def test_the_version_is_told_as_rosbridge_does(serve: Serve):
         told = {"protocol": {"major": 2, "minor": 0, "patch": 0}, "server": "1.2.3"}
         assert json.loads(body) == told
         assert (await asyncio.to_thread(get, served, "/version", "HEAD"))[::2] == (200, "")
-
-
-async def test_health_is_never_cached(serve: Serve):
-    async with serve() as served:
-        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
-        writer.write(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
-        assert b"cache-control: no-store\r\n" in (await reader.read()).lower()
-        writer.close()
 
 
 async def test_a_browser_is_told_how_to_connect(serve: Serve):
@@ -816,68 +701,6 @@ async def test_input_behind_the_handshake_is_read_after_it(serve: Serve, behind,
         assert await other.sync() == []
         writer.close()
     assert "Traceback" not in caplog.text
-
-
-async def test_a_client_that_asks_and_never_reads_is_closed_as_slow(serve: Serve, caplog):
-    caplog.set_level("INFO")
-    limits = {
-        "send_queue_bytes": 100_000,
-        "client_time_share": 1,
-        "address_time_share": 1,
-        "frames_per_s": 0,
-        "send_deadline_s": TIMEOUT_S,
-    }
-    async with serve(limits) as served:
-        reader, writer = await handshake(served)
-        question = masked(Opcode.TEXT, b'{"op":"describe","type":"visualization_msgs/msg/Marker"}')
-        async with asyncio.timeout(TIMEOUT_S):
-            while served.clients or "connected" not in caplog.text:
-                if not writer.transport.is_closing():
-                    writer.write(question * 10)
-                await asyncio.sleep(0.01)
-        assert "4503 slow consumer: answers alone exceed the send queue" in caplog.text
-        writer.transport.abort()
-        del reader
-
-
-async def test_one_answer_beyond_the_send_queue_reaches_a_client_that_reads(serve, monkeypatch):
-    ticks = 0
-
-    def tick(connection, now_s):
-        nonlocal ticks
-        ticks += 1
-        original(connection, now_s)
-
-    original = Connection.tick
-    monkeypatch.setattr(Connection, "tick", tick)
-    async with serve(
-        {"send_queue_bytes": 100_000, "slow_consumer_s": 0.1, "send_deadline_s": 120}
-    ) as served:
-        publisher = served.ros.add_publisher("/big", STRING, Qos(depth=100))
-        reader, writer = await handshake(served)
-        writer.write(masked(Opcode.TEXT, b'{"op":"subscribe","topic":"/big","queue_length":1}'))
-        await eventually(lambda: served.ros.entity_count() == 1)
-        (connection,) = served.server._connections
-        session = connection.session
-        sent = -1
-        async with asyncio.timeout(TIMEOUT_S):
-            while sent != session.outbox.sent or ticks < 5:  # the socket is full, and stays so
-                if sent != session.outbox.sent:
-                    sent, ticks = session.outbox.sent, 0
-                publisher.publish(served.cdr(STRING, data="x" * 20_000))
-                await asyncio.sleep(0)
-        question = {"op": "ping", "id": "large", "value": "y" * 150_000}
-        writer.write(masked(Opcode.TEXT, json.dumps(question).encode()))
-        await eventually(lambda: session.outbox.size > 150_000)
-        ticks = 0
-        await eventually(lambda: ticks > 3)
-        seen = b""
-        async with asyncio.timeout(TIMEOUT_S):
-            while b'"id":"large"' not in seen:
-                some = await reader.read(1 << 16)
-                assert some, "closed"
-                seen = seen[-20:] + some
-        writer.close()
 
 
 async def test_a_fault_in_the_core_closes_only_that_client_with_1011(serve, monkeypatch, caplog):

@@ -23,7 +23,7 @@ from gateway.sources.rclpy.graph import read_actions, read_all_services
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.rclpy_private import ReadyCallbacks
 from gateway.sources.services import ServiceRequest
-from gateway.sources.source import LogLevel, Qos, Ros, RosError, Sample
+from gateway.sources.source import Qos, Ros, RosError, Sample
 from tests.client import TIMEOUT_S, eventually
 from tests.e2e.faults.processes import segments_of
 from tests.sources.outside import Outside
@@ -207,33 +207,33 @@ async def test_only_the_debug_node_has_parameter_services() -> None:
         assert {node for each in own for node in each.nodes} == {"/xr_debug"}
 
 
-async def test_a_remapped_service_is_refused_by_name() -> None:
-    options = RosOptions(arguments=("--ros-args", "-r", "/arm:=/other"))
-    async with open_ros(options) as ros:
-        for attempt in (
-            lambda: ros.services.client("/arm", SET_BOOL),
-            lambda: ros.services.serve("/arm", SET_BOOL, ignore),
-        ):
-            with pytest.raises(RosError, match="service /arm is remapped to /other here") as caught:
-                attempt()
+@pytest.mark.parametrize(
+    ("remapping", "subject", "attempts"),
+    [
+        ("/t:=/other", "topic /t", ["advertise", "subscribe"]),
+        ("/s:=/other", "service /s", ["client", "serve"]),
+        ("/a/_action/send_goal:=/other/_action/send_goal", "action /a", ["goals", "serve goals"]),
+        ("/a/_action/feedback:=/other/_action/feedback", "action /a", ["goals", "serve goals"]),
+        # which a client does without
+        ("/a/_action/status:=/other/_action/status", "action /a", ["serve goals"]),
+    ],
+)
+async def test_a_remapped_name_is_refused(remapping, subject, attempts) -> None:
+    async with open_ros(RosOptions(arguments=("--ros-args", "-r", remapping))) as ros:
+        ways: dict[str, Callable[[], object]] = {
+            "advertise": lambda: ros.advertise("/t", INT32, Qos(), lambda _: None),
+            "subscribe": lambda: ros.subscribe("/t", INT32, Qos(), ignore, ignore),
+            "client": lambda: ros.services.client("/s", SET_BOOL),
+            "serve": lambda: ros.services.serve("/s", SET_BOOL, ignore),
+            "goals": lambda: ros.actions.action_client("/a", FIBONACCI),
+            "serve goals": lambda: ros.actions.serve_action("/a", FIBONACCI, ignore, ignore),
+        }
+        for attempt in attempts:
+            with pytest.raises(RosError, match=f"{subject} is remapped to /other here") as caught:
+                ways[attempt]()
             assert caught.value.code == "bad_name"
         assert ros.entity_count() == 0
-        await eventually(lambda: not ros.service_types("/other"))
-
-
-@pytest.mark.parametrize("part", ["send_goal", "status", "feedback"])
-async def test_an_action_of_which_a_part_is_remapped_is_refused_by_name(part: str) -> None:
-    remapping = f"/dock/_action/{part}:=/other/_action/{part}"
-    async with open_ros(RosOptions(arguments=("--ros-args", "-r", remapping))) as ros:
-        attempts: list[Callable[[], object]] = [
-            lambda: ros.actions.serve_action("/dock", FIBONACCI, ignore, ignore)
-        ]
-        if part != "status":  # which a client does without
-            attempts.append(lambda: ros.actions.action_client("/dock", FIBONACCI))
-        for attempt in attempts:
-            with pytest.raises(RosError, match="action /dock is remapped to /other here"):
-                attempt()
-        assert ros.entity_count() == 0
+        await eventually(lambda: not (ros.topic_types("/other") or ros.service_types("/other")))
 
 
 async def test_topics_that_do_not_exist_are_not_remembered(outside: Outside) -> None:
@@ -242,32 +242,6 @@ async def test_topics_that_do_not_exist_are_not_remembered(outside: Outside) -> 
         await eventually(lambda: ros.topic_types("/count") == (INT32,))
         assert not any(ros.topic_types(f"/none{number}") for number in range(10))
         assert set(ros._known._types) == {"/count"}  # type: ignore[attr-defined]  # its memory
-
-
-async def test_an_own_service_is_known_before_dds_has_found_it(monkeypatch):
-    for read in ("read_all_services", "read_actions"):
-        monkeypatch.setattr(f"gateway.sources.rclpy.known_graph.{read}", lambda _: ())
-    async with open_ros() as ros:
-        service = ros.services.serve("/s", SET_BOOL, ignore)
-        action = ros.actions.serve_action("/a", FIBONACCI, ignore, ignore)
-        assert (ros.service_types("/s"), ros.action_types("/a")) == ((SET_BOOL,), (FIBONACCI,))
-        service.close()
-        action.close()
-        assert (ros.service_types("/s"), ros.action_types("/a")) == ((), ())
-
-
-async def test_a_remapped_topic_is_refused_by_name() -> None:
-    options = RosOptions(arguments=("--ros-args", "-r", "/cmd_vel:=/other"))
-    async with open_ros(options) as ros:
-        for attempt in (
-            lambda: ros.advertise("/cmd_vel", INT32, Qos(), lambda _: None),
-            lambda: ros.subscribe("/cmd_vel", INT32, Qos(), ignore, ignore),
-        ):
-            with pytest.raises(RosError, match="remapped to /other here") as caught:
-                attempt()
-            assert caught.value.code == "bad_name"
-        assert ros.entity_count() == 0
-        await eventually(lambda: not ros.topic_types("/other"))
 
 
 async def test_entities_are_limited() -> None:
@@ -305,23 +279,13 @@ async def test_a_lack_of_descriptors_is_a_ros_error_and_leaves_nothing(monkeypat
         ros.subscribe("/count", INT32, Qos(), ignore, ignore)
 
 
-async def test_simulated_time_follows_the_clock_topic(outside: Outside) -> None:
-    clock = outside.add_publisher("/clock", "rosgraph_msgs/msg/Clock")
-    async with open_ros(RosOptions(use_sim_time=True)) as ros:
-        assert ros.now_ns() == 0  # nobody has told the time yet
-        stamp = b"\0\1\0\0" + (42).to_bytes(4, "little") + (7).to_bytes(4, "little")
-
-        def has_arrived() -> bool:
-            clock.publish(stamp)
-            return ros.now_ns() == 42_000_000_007
-
-        await eventually(has_arrived)
-
-
-async def test_simulated_time_that_goes_back_is_told(outside: Outside) -> None:
+async def test_simulated_time_follows_the_clock_topic_and_tells_if_it_goes_back(
+    outside: Outside,
+) -> None:
     clock = outside.add_publisher("/clock", "rosgraph_msgs/msg/Clock")
     jumps: list[int] = []
     async with open_ros(RosOptions(use_sim_time=True)) as ros:
+        assert ros.now_ns() == 0  # nobody has told the time yet
         watch = ros.watch_jumps_back(lambda: jumps.append(ros.now_ns()))
 
         async def tell(milliseconds: int) -> None:
@@ -346,37 +310,17 @@ async def test_simulated_time_that_goes_back_is_told(outside: Outside) -> None:
         assert len(jumps) == 1
 
 
-async def test_the_log_reaches_rosout_and_not_the_terminal(outside, capfd):
-    received: list[Sample] = []
-    async with open_ros(RosOptions(node_prefix="xr")) as ros:
-        outside.add_subscription("/rosout", LOG, received.extend)
-
-        def arrived() -> bool:
-            ros.log("warning", "the battery is low")
-            return bool(received)
-
-        await eventually(arrived)
-    assert b"xr_debug" in received[0].cdr
-    assert b"the battery is low" in received[0].cdr
-    ros.log("error", "after the end")
-    assert "after the end" not in capfd.readouterr().err
-
-
-async def test_the_log_keeps_its_levels(outside: Outside) -> None:
+async def test_the_log_reaches_rosout_with_its_levels_and_not_the_terminal(outside, capfd) -> None:
+    texts = {"traced": "debug", "done": "info", "strange": "warning", "broken": "error"}
     levels: dict[str, int] = {}
 
     def on_samples(samples: Sequence[Sample]) -> None:
         for sample in samples:
             levels.update({text: sample.cdr[12] for text in texts if text.encode() in sample.cdr})
+            assert b"xr_debug" in sample.cdr
 
-    texts: dict[str, LogLevel] = {
-        "traced": "debug",
-        "done": "info",
-        "strange": "warning",
-        "broken": "error",
-    }
     outside.add_subscription("/rosout", LOG, on_samples, Qos(depth=100))
-    async with open_ros() as ros:
+    async with open_ros(RosOptions(node_prefix="xr")) as ros:
 
         def arrived() -> bool:
             for text, level in texts.items():
@@ -385,6 +329,8 @@ async def test_the_log_keeps_its_levels(outside: Outside) -> None:
 
         await eventually(arrived)
     assert levels == {"done": 20, "strange": 30, "broken": 40}  # nobody asked for debug
+    ros.log("error", "after the end")
+    assert "after the end" not in capfd.readouterr().err
 
 
 async def test_without_rclpy_both_ways_to_get_it_are_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,7 +21,6 @@ from typing import Any
 import pytest
 from rclpy.context import Context
 from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.subscription import Subscription
@@ -33,7 +32,6 @@ from gateway.sources.rclpy import fast_dds, rclpy_private
 from gateway.sources.rclpy.executor import ExecutorThread
 from gateway.sources.rclpy.interfaces import message_class, service_class
 from gateway.sources.rclpy.rclpy_private import (
-    GRAPH_FUNCTIONS,
     HANDED_OVER_BYTES,
     READY_CALLBACK_SETTERS,
     RESPONSE_TIMED_OUT,
@@ -51,26 +49,6 @@ SET_BOOL = service_class("std_srvs/srv/SetBool")
 STRING = message_class("std_msgs/msg/String")
 CDR = b"\0\1\0\0\7\0\0\0"
 S = 10**9
-
-# of the extension module: how many arguments each takes
-METHODS = {
-    "Subscription.take_message": 2,
-    "Publisher.publish_raw": 1,
-    "Client.send_request": 1,
-    "Client.take_response": 1,
-    "Service.service_take_request": 1,
-    "Service.service_send_response": 2,
-    "Clock.get_now": 0,
-    "WaitSet.__init__": 7,
-    "WaitSet.clear_entities": 0,
-    "WaitSet.add_guard_condition": 1,
-    "WaitSet.wait": 1,
-    "WaitSet.destroy_when_not_in_use": 0,
-}
-C_FUNCTIONS = (*READY_CALLBACK_SETTERS.values(), "rcl_take_serialized_message", *GRAPH_FUNCTIONS)
-RCUTILS_FUNCTIONS = (
-    *("rcutils_get_default_allocator", "rcutils_get_error_string", "rcutils_reset_error"),
-)
 
 
 @pytest.fixture(scope="module")
@@ -107,42 +85,6 @@ def take_when_there(take: Callable[[], Any], is_there: Callable[[Any], bool], wh
 
     wait_until(has_taken, f"no {what} is taken")
     return taken[-1]
-
-
-@pytest.mark.parametrize(("name", "argument_count"), METHODS.items())
-def test_rclpy_has_the_method_with_its_arguments(name: str, argument_count: int) -> None:
-    owner, _, method = name.partition(".")
-    found = getattr(getattr(rclpy_implementation, owner, None), method, None)
-    assert found is not None, f"{RCLPY} has changed: there is no {name}"
-    signature = str(found.__doc__).partition("\n")[0]  # pybind11 writes it there
-    arguments = re.findall(r"\w+: ", signature.partition(" -> ")[0])[1:]  # without self
-    assert len(arguments) == argument_count, f"{RCLPY} has changed: {name} is {signature}"
-
-
-@pytest.mark.parametrize("owner", ["Subscription", "Client", "Service", "Node", "WaitSet"])
-def test_rclpy_has_the_address_of_an_entity(owner: str) -> None:
-    found = getattr(rclpy_implementation, owner, None)
-    assert hasattr(found, "pointer"), f"{RCLPY} has changed: there is no {owner}.pointer"
-
-
-@pytest.mark.parametrize("library", ["librcl.so", "librcutils.so"])
-def test_the_library_has_the_functions(library: str) -> None:
-    names = C_FUNCTIONS if library == "librcl.so" else RCUTILS_FUNCTIONS
-    missing = [name for name in names if not hasattr(ctypes.CDLL(library), name)]
-    assert missing == [], f"rcl has changed: {library} has no {missing}"
-
-
-@pytest.mark.parametrize("name", ["RCLError", "InvalidHandle"])
-def test_errors_of_handles_are_runtime_errors(name: str) -> None:
-    error = getattr(rclpy_implementation, name, None)
-    assert error is not None, f"{RCLPY} has changed: there is no {name}"
-    assert issubclass(error, RuntimeError), f"{RCLPY} has changed: {name} is no RuntimeError"
-
-
-def test_the_module_says_that_it_relies_on_it() -> None:
-    words = set(re.findall(r"\w+", rclpy_private.__doc__ or ""))
-    for name in (*METHODS, *C_FUNCTIONS, *RCUTILS_FUNCTIONS):
-        assert set(name.replace("__init__", "").split(".")) - {""} <= words, name
 
 
 def two_subscriptions(node: Node, message: type) -> list[Subscription]:
@@ -367,37 +309,6 @@ def test_arrivals_are_counted_in_an_eventfd_until_that_is_stopped(node: Node) ->
         assert count_is(3), f"rcl has changed: {setter} counts after it was told to stop"
     finally:
         os.close(fd)
-
-
-def test_requests_and_responses_are_counted_in_an_eventfd(node: Node) -> None:
-    service = node.create_service(SET_BOOL, "/arm", lambda *_: None)
-    client = node.create_client(SET_BOOL, "/arm")
-    wait_until(client.service_is_ready, "a client does not see its service")
-    callbacks = ReadyCallbacks()
-    requests = os.eventfd(0, os.EFD_NONBLOCK)
-    responses = os.eventfd(0, os.EFD_NONBLOCK)
-
-    def is_counted(fd: int) -> bool:
-        try:
-            return os.eventfd_read(fd) == 1
-        except BlockingIOError:
-            return False
-
-    try:
-        callbacks.count("service", service, requests)
-        callbacks.count("client", client, responses)
-        rclpy_private.request_sender(client)(SET_BOOL.Request())
-        setter = READY_CALLBACK_SETTERS["service"]
-        wait_until(lambda: is_counted(requests), f"{setter} does not count a request")
-        _, info = rclpy_private.request_taker(service)(SET_BOOL.Request)
-        rclpy_private.response_sender(service)(SET_BOOL.Response(), info.request_id)
-        setter = READY_CALLBACK_SETTERS["client"]
-        wait_until(lambda: is_counted(responses), f"{setter} does not count a response")
-        callbacks.stop("client", client)
-        callbacks.stop("service", service)
-    finally:
-        os.close(requests)
-        os.close(responses)
 
 
 def test_a_change_of_the_graph_and_a_wake_each_end_the_wait(node: Node) -> None:

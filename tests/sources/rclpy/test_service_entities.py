@@ -100,23 +100,6 @@ async def test_requests_beyond_what_a_server_keeps_wait_here(ros, outside, monke
     assert all(each.cdr[4] for each in requests)
 
 
-async def test_a_server_that_never_answers_keeps_no_request_waiting(ros, outside, monkeypatch):
-    monkeypatch.setattr(requester, "PACING_S", 0.01)
-    requests: list[ServiceRequest] = []
-    outside.add_service("/arm", SET_BOOL, requests.append, depth=100)  # not as fast as that
-    client = ros.services.client("/arm", SET_BOOL)
-    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_IN_FLIGHT)]
-    await eventually(lambda: len(requests) == len(calls))
-    last = asyncio.ensure_future(client.call(request(False)))
-    await eventually(lambda: requests[-1].cdr[4] == 0)
-    requests[-1].answer(response("done"))
-    assert text_of(await soon(last)) == "done"
-    assert not any(calling.done() for calling in calls)
-    await eventually(lambda: not client._requester._in_flight)
-    for calling in calls:
-        calling.cancel()
-
-
 async def test_a_service_of_this_process_gets_its_requests_at_once(ros, monkeypatch):
     monkeypatch.setattr(requester, "PACING_S", 1e6)
     requests: list[ServiceRequest] = []
@@ -147,26 +130,6 @@ async def test_a_request_that_is_cancelled_in_the_turn_that_makes_room_is_never_
     assert all(each.cdr[4] for each in requests)
     for calling in calls:
         calling.cancel()
-
-
-async def test_an_answer_to_a_client_that_has_gone_is_lost(ros: RclpyRos, outside: Outside) -> None:
-    requests: list[ServiceRequest] = []
-    ros.services.serve("/arm", SET_BOOL, requests.append)
-    client = outside.add_client("/arm", SET_BOOL)
-    await eventually(client._client.service_is_ready)
-    client._client.call_async(client._class.Request())
-    await eventually(lambda: bool(requests))  # a message just before the end may be lost
-    client.close()
-    requests[0].answer(response("late"))
-    assert text_of(await ask_anew(ros, requests)) == "better"
-
-
-async def ask_anew(ros: RclpyRos, requests: list[ServiceRequest]) -> bytes:
-    calling = asyncio.ensure_future(ros.services.client("/arm", SET_BOOL).call(request(True)))
-    await eventually(lambda: len(requests) == 2)
-    requests[1].answer(response("better"))
-    answer: bytes = await soon(calling)
-    return answer
 
 
 async def test_a_call_fails_with_its_server_though_another_has_come(ros, outside, successor):
@@ -339,17 +302,6 @@ async def test_32_responses_are_taken_in_a_turn_then_others_have_theirs(ros: Rcl
     requester._take_response = take
     requester._take()
     assert taken == MAX_TAKES_PER_TURN == 32
-
-
-async def test_more_responses_at_once_than_are_taken_in_a_turn_all_arrive(ros: RclpyRos) -> None:
-    requests: list[ServiceRequest] = []
-    ros.services.serve("/arm", SET_BOOL, requests.append)
-    client = ros.services.client("/arm", SET_BOOL)
-    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(100)]
-    await eventually(lambda: len(requests) == 100)
-    for each in requests:
-        each.answer(response("done"))
-    assert [text_of(await soon(calling)) for calling in calls] == ["done"] * 100
 
 
 async def test_an_answer_that_is_there_when_its_server_goes_counts(ros: RclpyRos) -> None:
