@@ -14,7 +14,7 @@ from gateway.cli.type_arguments import LANGUAGES
 from gateway.fronts.rosbridge.operations.gateway import Generate
 from schemas.generate import languages
 from schemas.generate.request import MARK
-from tests.cli.test_main import ROOT, TIMEOUT_S, refusal, ros2_gateway
+from tests.cli.test_main import ROOT, TIMEOUT_S, ros2_gateway
 from tests.schemas.test_installed import write_definition
 
 ODOMETRY = "nav_msgs/msg/Odometry"
@@ -90,7 +90,7 @@ def test_a_json_schema_is_that_of_the_other_command():
     assert schema == json.loads(ros2_gateway("schema", ODOMETRY).stdout)
 
 
-def test_files_are_written_once_and_again_only_if_they_differ(workspace):
+def test_files_are_written_once_and_again_only_if_they_differ(refused, workspace):
     command = ("generate", "typescript", "own_msgs/*", "--types-path", str(workspace))
     folder = workspace / "out"
     first = ros2_gateway(*command, "--output", str(folder))
@@ -100,7 +100,7 @@ def test_files_are_written_once_and_again_only_if_they_differ(workspace):
     assert "Measure_Response" in (folder / "own_msgs.ts").read_text()
     assert ros2_gateway(*command, "--output", str(folder)).stdout == "nothing has changed\n"
     (folder / "own_msgs.ts").write_text("# mine")
-    code, sentence = refusal(*command, "--output", str(folder))
+    code, sentence = refused(*command, "--output", str(folder))
     assert (code, sentence.partition(" would")[0]) == (2, f"{folder / 'own_msgs.ts'}")
     assert (folder / "own_msgs.ts").read_text() == "# mine"
     forced = ros2_gateway(*command, "--output", str(folder), "--force")
@@ -262,12 +262,12 @@ def test_definitions_that_come_with_the_gateway_are_known_to_both_commands(name)
         ),
     ],
 )
-def test_an_impossible_request_is_one_sentence(arguments, sentence):
-    assert refusal("generate", *arguments) == (2, sentence)
+def test_an_impossible_request_is_one_sentence(refused, arguments, sentence):
+    assert refused("generate", *arguments) == (2, sentence)
 
 
-def test_a_class_that_the_unity_package_has_is_refused_with_what_to_do():
-    code, sentence = refusal("generate", "csharp", "geometry_msgs/msg/Twist")
+def test_a_class_that_the_unity_package_has_is_refused_with_what_to_do(refused):
+    code, sentence = refused("generate", "csharp", "geometry_msgs/msg/Twist")
     assert (code, "--complete on the command line" in sentence) == (2, True)
     command = ("generate", "csharp", "geometry_msgs/msg/Twist", "--complete")
     assert "class TwistMsg : IMessage" in ros2_gateway(*command).stdout
@@ -291,15 +291,8 @@ def test_other_fields_than_those_of_the_unity_package_are_a_note(workspace):
         ("missing_msgs/Missing x\n", "no definition of missing_msgs/msg/Missing is installed: "),
     ],
 )
-def test_a_definition_that_cannot_be_is_named(workspace, definition, words):
+def test_a_definition_that_cannot_be_is_named(refused, workspace, definition, words):
     write_definition(workspace, "own_msgs/msg/Bad", definition)
     command = ("generate", "python", "own_msgs/Bad", "--types-path", str(workspace))
-    code, sentence = refusal(*command)
+    code, sentence = refused(*command)
     assert (code, sentence[: len(words)]) == (2, words)
-
-
-def test_the_parts_of_a_service_are_bounded_like_messages(workspace):
-    write_definition(workspace, "own_msgs/srv/Large", "int8[50001] x\n---\n")
-    command = ("generate", "python", "own_msgs/srv/Large", "--types-path", str(workspace))
-    code, sentence = refusal(*command)
-    assert (code, "has over 50000 values" in sentence) == (2, True)

@@ -39,32 +39,12 @@ def ros2_gateway(*arguments: str, **environment: str) -> subprocess.CompletedPro
     )
 
 
-@pytest.fixture
-def restored_signals() -> Iterator[None]:
-    handlers = {number: signal.getsignal(number) for number in ENDING}
-    yield
-    for number, handler in handlers.items():
-        signal.signal(number, handler)
-
-
-@pytest.fixture
-def refusal(restored_signals, monkeypatch, capsys):
-    """Return a function that runs a command here: its exit code, and its one sentence."""
-
-    def run(*arguments: str, **environment: str) -> tuple[int, str]:
-        with monkeypatch.context() as patch:
-            for name, value in environment.items():
-                patch.setenv(name, value)
-            try:
-                code = cli.main(list(arguments))
-            except SystemExit as ended:
-                code = ended.code
-        printed = capsys.readouterr()
-        assert printed.out == ""
-        (line,) = printed.err.splitlines()
-        return code, line.removeprefix("ros2-gateway: ")
-
-    return run
+def refusal(*arguments: str, **environment: str) -> tuple[int, str]:
+    """Return the exit code and the one sentence on standard error."""
+    finished = ros2_gateway(*arguments, **environment)
+    assert finished.stdout == ""
+    (line,) = finished.stderr.splitlines()
+    return finished.returncode, line.removeprefix("ros2-gateway: ")
 
 
 @contextmanager
@@ -187,16 +167,16 @@ def test_version_is_that_of_the_distribution():
         ("schema /odom", 'types of names: send it {"op":"describe","type":"/odom"}'),
     ],
 )
-def test_what_is_wrong_is_one_sentence(refusal, arguments, sentence):
-    code, said = refusal(*arguments.split())
+def test_a_mistake_is_one_sentence(refused, arguments, sentence):
+    code, said = refused(*arguments.split())
     assert code == 2
     assert sentence in said
 
 
 @pytest.mark.parametrize("command", ["serve", "demo", "sim", "mock"])
 @pytest.mark.parametrize("value", ["500", "abc", "-1"])
-def test_a_domain_that_does_not_exist_is_one_sentence_with_its_variable(refusal, command, value):
-    assert refusal(command, ROS_DOMAIN_ID=value) == (
+def test_a_domain_that_does_not_exist_is_one_sentence_with_its_variable(refused, command, value):
+    assert refused(command, ROS_DOMAIN_ID=value) == (
         2,
         f"ROS_DOMAIN_ID: got {value!r}, expected an integer from 0 to 232",
     )
@@ -232,11 +212,11 @@ def test_a_flag_beats_a_domain_of_the_environment_that_does_not_exist(
     assert process.wait(TIMEOUT_S) == 0
 
 
-def test_a_bad_value_is_one_sentence_with_its_variable(refusal):
+def test_a_bad_value_is_one_sentence_with_its_variable(refused):
     said = "ROS2_GATEWAY_LIMITS__MAX_CLIENTS: got 'many', expected an integer of at least 1"
-    assert refusal("serve", ROS2_GATEWAY_LIMITS__MAX_CLIENTS="many") == (2, said)
+    assert refused("serve", ROS2_GATEWAY_LIMITS__MAX_CLIENTS="many") == (2, said)
     said = "cannot read /none.toml, no such file or directory"
-    assert refusal("serve", ROS2_GATEWAY_CONFIG="/none.toml") == (2, said)
+    assert refused("serve", ROS2_GATEWAY_CONFIG="/none.toml") == (2, said)
 
 
 def test_check_config_accepts_a_right_file(tmp_path):
@@ -263,10 +243,10 @@ def test_check_config_accepts_a_right_file(tmp_path):
         ("log.level = 3\n", "PATH: log.level: got 3, expected debug, info, warning or error"),
     ],
 )
-def test_check_config_looks_at_what_a_file_names(refusal, tmp_path, text, sentence):
+def test_check_config_looks_at_what_a_file_names(refused, tmp_path, text, sentence):
     path = tmp_path / "gateway.toml"
     path.write_text(text)
-    assert refusal("check-config", str(path)) == (2, sentence.replace("PATH", str(path)))
+    assert refused("check-config", str(path)) == (2, sentence.replace("PATH", str(path)))
 
 
 def test_check_config_makes_nothing(tmp_path):

@@ -21,12 +21,6 @@ from tests.gateway_process import gateway_process
 from tests.schemas.test_installed import write_definition
 from tests.websocket_server import serving
 
-PAIR = """\
-int8 A=1 # one
-string<=5 name 'ab'
-geometry_msgs/Point[<=2] ends
-float64[2] x [1, 2]
-"""
 TIMEOUT = ("--timeout", str(TIMEOUT_S))
 
 
@@ -209,11 +203,8 @@ def test_nobody_there_is_one_sentence():
 def test_a_server_that_says_nothing_is_given_up():
     with socket.create_server(("127.0.0.1", 0)) as mute:
         url = f"ws://127.0.0.1:{mute.getsockname()[1]}"
-        arguments = ("python", "1", "--from", url, "--timeout", "0.5")
-        assert refusal("generate", *arguments) == (
-            1,
-            f"{url}: no connection within 0.5 s: raise --timeout",
-        )
+        with pytest.raises(GatewayError, match=r"no connection within 0\.5 s: raise --timeout"):
+            fetch(url, "a/A", timeout_s=0.5)
 
 
 @pytest.mark.parametrize(

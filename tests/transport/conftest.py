@@ -55,7 +55,7 @@ TABLE = Table.load()
 Serve = Callable[..., AbstractAsyncContextManager[Served]]
 
 
-# where a transport of asyncio and one of uvloop may differ
+# the tests of sockets: transports of asyncio and uvloop differ
 BOTH_LOOPS = ("batches", "end", "lan_discovery", "picture_streams", "server", "tls")
 
 
