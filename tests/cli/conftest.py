@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line in this process, which is faster than one of its own."""
+"""The command line in this process, which is faster than a process for each."""
 
 import signal
 from collections.abc import Callable, Iterator
