@@ -42,7 +42,7 @@ from gateway.transport.admission import Admission
 from gateway.transport.discovery_packets import MAX_PATH, FoundGateway
 from gateway.transport.front import Front, Fronts
 from gateway.transport.lan_discovery import answering_questions
-from gateway.transport.server import Door, Server
+from gateway.transport.server import ListenPort, Server
 from gateway.transport.static_files import PAGES, StaticFiles
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
@@ -56,7 +56,7 @@ WARN_AGAIN_S: Final = 10.0
 
 @dataclass(frozen=True, slots=True)
 class Listening:
-    """The facts that people need to connect."""
+    """The texts that people need to connect."""
 
     addresses: Sequence[tuple[str, int]]
     path: str
@@ -166,10 +166,10 @@ async def _serve(
             version=version("ros2-json-gateway"),
             find_faults=lambda: (*ros.diagnosis.faults(), *_others(security, start)),
         )
-        doors = [Door(config.port, security.tls)]
+        ports = [ListenPort(config.port, security.tls)]
         if config.tls.port is not None:
-            doors = [Door(config.port), Door(config.tls.port, security.tls)]
-        listening = server.listening(security.posture.hosts, *doors)
+            ports = [ListenPort(config.port), ListenPort(config.tls.port, security.tls)]
+        listening = server.listening(security.posture.hosts, *ports)
         addresses, *encrypted = await stack.enter_async_context(listening)
         reloading = asyncio.create_task(_reload_whenever(hung_up, load, security, server))
         stack.callback(reloading.cancel)

@@ -77,7 +77,7 @@ def open_security(config: Config) -> Iterator[Security]:
     # a proxy may bring pages of other machines, whose localhost is another one
     is_local = not posture.is_open and not config.trusted_proxies
     rules = WebRules(
-        own_names(), config.allowed_hosts, config.allowed_origins, welcomes_local=is_local
+        own_names(), config.allowed_hosts, config.allowed_origins, allows_local=is_local
     )
     with _audit(config, is_wanted=posture.is_open or posture.needs_token) as (audit, faults):
         yield Security(posture, authentication, audit, rules, tls, path, new_token, faults)

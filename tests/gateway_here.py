@@ -11,7 +11,7 @@ from gateway.core.router import Router
 from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.sources.rclpy import open_ros
 from gateway.transport.front import Fronts
-from gateway.transport.server import Door, Server
+from gateway.transport.server import ListenPort, Server
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 
@@ -24,6 +24,6 @@ async def gateway_here(limits: Limits) -> AsyncIterator[str]:
             types = Types(InstalledDefinitions())
             router = Router(ros, types, Table.load(), limits=limits, workers=workers, version="t")
             server = Server(router, Fronts(RosbridgeFront(router)), limits=limits)
-            async with server.listening(["127.0.0.1"], Door(0)) as (((_, port),),):
+            async with server.listening(["127.0.0.1"], ListenPort(0)) as (((_, port),),):
                 yield f"ws://127.0.0.1:{port}/"
             router.close()

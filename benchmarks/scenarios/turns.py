@@ -30,7 +30,7 @@ from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.memory import keep_large_blocks
 from gateway.sources.rclpy import RosOptions, open_ros
 from gateway.transport.front import Fronts
-from gateway.transport.server import Door, Server
+from gateway.transport.server import ListenPort, Server
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from schemas.table import Table
 
@@ -85,7 +85,7 @@ async def _measure(turns: _Turns) -> list[Figure]:
             )
             with contextlib.closing(router):
                 server = Server(router, Fronts(RosbridgeFront(router)), limits=limits)
-                async with server.listening(["127.0.0.1"], Door(0)) as (((_, port),),):
+                async with server.listening(["127.0.0.1"], ListenPort(0)) as (((_, port),),):
                     gc.freeze()  # as the gateway does when it is ready
                     rows = [
                         await asyncio.to_thread(_rounds, turns, port, frame) for frame in _frames()

@@ -18,7 +18,7 @@ MAX_FACT_CHARACTERS: Final = 200  # a name of ROS fits
 MAX_LINES: Final = 100
 WINDOW_NS: Final = 10 * 1_000_000_000
 
-Fact = str | int | float | bool | None
+AuditValue = str | int | float | bool | None
 
 logger = logging.getLogger("gateway.audit")
 
@@ -48,7 +48,7 @@ class Audit:
         self._level = level
         self._windows: dict[str, _Window] = {}
 
-    def record(self, event: str, *, client: str | None = None, **facts: Fact) -> None:
+    def record(self, event: str, *, client: str | None = None, **values: AuditValue) -> None:
         """Record an event. *event* is one of the gateway's own words, never a client's.
 
         *client* is the address and number of the client that it is about, for the log only. Facts
@@ -61,17 +61,19 @@ class Audit:
             left_out = 0 if window is None else window.left_out
             window = self._windows[event] = _Window(now_ns)
             if left_out:
-                facts = {**facts, "left_out_before": left_out}
+                values = {**values, "left_out_before": left_out}
         if window.lines >= MAX_LINES:
             window.left_out += 1
             return
         window.lines += 1
-        self._emit(now_ns, event, client, facts)
+        self._emit(now_ns, event, client, values)
 
-    def _emit(self, now_ns: int, event: str, client: str | None, facts: dict[str, Fact]) -> None:
+    def _emit(
+        self, now_ns: int, event: str, client: str | None, values: dict[str, AuditValue]
+    ) -> None:
         time = datetime.fromtimestamp(now_ns / 1e9, UTC).isoformat(timespec="milliseconds")
-        entry: dict[str, Fact] = {"time": time, "event": event}
-        entry |= {name: _shown(fact) for name, fact in facts.items() if fact is not None}
+        entry: dict[str, AuditValue] = {"time": time, "event": event}
+        entry |= {name: _shown(value) for name, value in values.items() if value is not None}
         line = json.dumps(entry)  # ASCII: no text can begin a new line
         # the lines are limited already, and other lines must not displace a stop
         extra = {"client": client, "topic": entry.get("topic"), "is_bounded": True}
@@ -80,5 +82,5 @@ class Audit:
             self._write(line)
 
 
-def _shown(fact: Fact) -> Fact:
-    return fact[:MAX_FACT_CHARACTERS] if isinstance(fact, str) else fact
+def _shown(value: AuditValue) -> AuditValue:
+    return value[:MAX_FACT_CHARACTERS] if isinstance(value, str) else value

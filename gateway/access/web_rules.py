@@ -31,7 +31,7 @@ class WebRules:
 
     *own_names* are this machine's, *allowed_hosts* further names under which it is reached,
     *allowed_origins* exact origins such as ``https://ui.example``, ``null``, or ``*`` for all.
-    With *welcomes_local*, pages of other servers on this machine may connect. Use it only if no
+    With *allows_local*, pages of other servers on this machine may connect. Use it only if no
     other machine reaches the gateway, because a page of its `localhost` would look the same.
     """
 
@@ -41,13 +41,13 @@ class WebRules:
         allowed_hosts: Sequence[str] = (),
         allowed_origins: Sequence[str] = (),
         *,
-        welcomes_local: bool = False,
+        allows_local: bool = False,
     ) -> None:
         self._names = {name.lower().rstrip(".") for name in (*own_names, *allowed_hosts)}
         self._any_host = ANY in allowed_hosts
         self._allowed_hosts = tuple(allowed_hosts)
         self._allowed_origins = tuple(allowed_origins)
-        self._welcomes_local = welcomes_local
+        self._allows_local = allows_local
         self._logged: set[str] = set()
 
     def is_own_host(self, host: str) -> bool:
@@ -79,7 +79,7 @@ class WebRules:
             return "trusted"
         # a proxy that passes `Host` on may pass requests of another machine's localhost
         is_local = _LOOPBACK_ORIGIN.fullmatch(origin) and is_loopback(_name_in(host))
-        return "local" if self._welcomes_local and is_local else "foreign"
+        return "local" if self._allows_local and is_local else "foreign"
 
     def _is_own(self, origin: str, host: str, *, is_encrypted: bool) -> bool:
         """Return whether a page is the gateway's own.

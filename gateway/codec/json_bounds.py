@@ -35,7 +35,7 @@ Octets = npt.NDArray[np.uint8]
 Flags = npt.NDArray[np.bool_]
 Places = npt.NDArray[np.intp]
 
-PIECE_BYTES: Final = 256 * 1024  # looked at in half a millisecond
+CHUNK_BYTES: Final = 256 * 1024  # looked at in half a millisecond
 MIN_ARRAY_BYTES: Final = 16 * 1024
 """An array of numbers with a longer text is read in slices, and its numbers are not items."""
 
@@ -69,10 +69,10 @@ def outline(data: bytes, max_items: int, *, takes_arrays: bool) -> Generator[Non
         JsonError: it has too many items, objects or strings, or would take too long to read.
     """
     scan = _Scan(data, takes_arrays=takes_arrays)
-    for start in range(0, len(data), PIECE_BYTES):
+    for start in range(0, len(data), CHUNK_BYTES):
         if start:
             yield
-        scan.look_at(start, min(start + PIECE_BYTES, len(data)))
+        scan.look_at(start, min(start + CHUNK_BYTES, len(data)))
         scan.check()
     if scan.found.items > max_items:
         raise JsonError(
@@ -84,8 +84,8 @@ def outline(data: bytes, max_items: int, *, takes_arrays: bool) -> Generator[Non
 def count_names(data: bytes) -> int:
     """Return how many names a text has: a colon follows each."""
     scan = _Scan(data, takes_arrays=False)
-    for start in range(0, len(data), PIECE_BYTES):
-        scan.look_at(start, min(start + PIECE_BYTES, len(data)))
+    for start in range(0, len(data), CHUNK_BYTES):
+        scan.look_at(start, min(start + CHUNK_BYTES, len(data)))
     return scan.found.colons
 
 

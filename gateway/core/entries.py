@@ -5,7 +5,7 @@ import enum
 from collections.abc import Callable
 from typing import Final, Literal, Protocol, TypeAlias
 
-from gateway.codec.pieces import Pieces
+from gateway.codec.chunks import Chunks
 
 
 class NoFrame(enum.Enum):
@@ -18,7 +18,7 @@ class NoFrame(enum.Enum):
 NOT_READY: Final[Literal[NoFrame.NOT_READY]] = NoFrame.NOT_READY
 NOTHING: Final[Literal[NoFrame.NOTHING]] = NoFrame.NOTHING
 
-Frame: TypeAlias = bytes | Pieces | Literal[NoFrame.NOT_READY, NoFrame.NOTHING]
+Frame: TypeAlias = bytes | Chunks | Literal[NoFrame.NOT_READY, NoFrame.NOTHING]
 
 
 class Entry(Protocol):

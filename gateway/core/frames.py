@@ -5,13 +5,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-from gateway.codec.pieces import Pieces
+from gateway.codec.chunks import Chunks
 from gateway.core.requests import Compression
 
 
 @dataclass(frozen=True, slots=True)
 class Meta:
-    """The facts about a sample, for a client that asks for them."""
+    """Data about a sample, for a client that asks for them."""
 
     seq: int
     received_ns: int
@@ -42,10 +42,10 @@ class PublishFrames(Protocol):
     def per_client(self, message: bytes, own: PerClient) -> bytes:
         """Return the frame, or frames in a row, that one subscriber gets."""
 
-    def shared_pieces(self, message: Pieces) -> Pieces:
+    def shared_chunks(self, message: Chunks) -> Chunks:
         """Return the shared frame of a large message, which is not copied."""
 
-    def per_client_pieces(self, message: Pieces, own: PerClient) -> bytes | Pieces:
+    def per_client_chunks(self, message: Chunks, own: PerClient) -> bytes | Chunks:
         """Return the frame, or frames in a row, of a large message for one subscriber."""
 
 

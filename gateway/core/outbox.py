@@ -16,7 +16,7 @@ from heapq import heappop, heappush
 from math import inf
 from typing import Final
 
-from gateway.codec.pieces import Piece, Pieces
+from gateway.codec.chunks import Chunk, Chunks
 from gateway.core.entries import (
     NOT_READY,
     NOTHING,
@@ -133,7 +133,7 @@ class Queue:
         self._forget(self.waiting.popleft())
         self.dropped += 1
 
-    def next(self) -> bytes | Pieces | None:
+    def next(self) -> bytes | Chunks | None:
         """Take the oldest entry's frame. ``None`` if no entry is ready."""
         while self.claimed is not None or self.waiting:
             entry = self.claimed if self.claimed is not None else self.waiting[0]
@@ -206,9 +206,9 @@ class Outbox:
         self.large = _Kind(LARGE_SHARE)
         self._clock = 0.0  # the start of the kind that was served last
         # of queues that were closed
-        self._past_coalesced = 0
-        self._past_dropped = 0
-        self._past_sent = 0
+        self._closed_coalesced = 0
+        self._closed_dropped = 0
+        self._closed_sent = 0
 
     @property
     def overflowed(self) -> bool:
@@ -228,17 +228,17 @@ class Outbox:
     @property
     def dropped(self) -> int:
         """The number of entries that were dropped, in all queues there ever were."""
-        return self._past_dropped + sum(queue.dropped for queue in self._queues)
+        return self._closed_dropped + sum(queue.dropped for queue in self._queues)
 
     @property
     def coalesced(self) -> int:
         """The number of samples that a throttle replaced by newer ones."""
-        return self._past_coalesced + sum(queue.coalesced for queue in self._queues)
+        return self._closed_coalesced + sum(queue.coalesced for queue in self._queues)
 
     @property
     def sent(self) -> int:
         """The number of frames that were taken, control frames included."""
-        return self.control_sent + self._past_sent + sum(queue.sent for queue in self._queues)
+        return self.control_sent + self._closed_sent + sum(queue.sent for queue in self._queues)
 
     def connect(self, write_directly: WriteDirectly, socket: PacedSocket) -> None:
         """Write past the queues from now on what need not wait."""
@@ -261,9 +261,9 @@ class Outbox:
         """Remove a queue with all that waits in it."""
         queue.close()
         self._queues.remove(queue)
-        self._past_coalesced += queue.coalesced
-        self._past_dropped += queue.dropped
-        self._past_sent += queue.sent
+        self._closed_coalesced += queue.coalesced
+        self._closed_dropped += queue.dropped
+        self._closed_sent += queue.sent
 
     def put_control(self, frame: bytes) -> None:
         """Append a response or a status. It overtakes every queue."""
@@ -272,13 +272,13 @@ class Outbox:
         self.grow(len(frame))
         self.shed()
 
-    def take(self, max_bytes: int) -> list[Piece]:
+    def take(self, max_bytes: int) -> list[Chunk]:
         """Take what is ready: control frames first, then frames of the queues by fair shares.
 
         Stops once *max_bytes* are reached, so it exceeds them by one frame at most. A frame in
         pieces is taken as these.
         """
-        taken: list[Piece] = []
+        taken: list[Chunk] = []
         left = max_bytes
         while self._control and left > 0:
             frame = self._control.popleft()
@@ -292,7 +292,7 @@ class Outbox:
             self._freshen(self.bytes_per_s * FRESH_S)
         return self._take_queued(taken, left) if self.size else taken
 
-    def _take_queued(self, taken: list[Piece], left: int) -> list[Piece]:
+    def _take_queued(self, taken: list[Chunk], left: int) -> list[Chunk]:
         """Add frames of the queues, those first that have had least. Each waits in a heap."""
         order = itertools.count()
         waiting: dict[_Kind, list[tuple[float, int, Queue]]] = {self.small: [], self.large: []}

@@ -358,7 +358,7 @@ class Router:
         )
 
     def _record_forbidden(self, session: Session, error: ProtocolError, request: Request) -> None:
-        if session.identity is not None:  # else it is still at the door
+        if session.identity is not None:  # else it has not authenticated yet
             self._audit.record(
                 "forbidden",
                 client=session.client,

@@ -28,14 +28,14 @@ from gateway.transport.close_codes import (
     UNAUTHENTICATED,
 )
 from gateway.transport.front import ClientSession
-from gateway.transport.http import Asker, offered_subprotocols
+from gateway.transport.http import HttpConnection, offered_subprotocols
 
 # Operations that are refused with an answer before a client is cut off. A page may subscribe to all
 # that it shows before it sends the token, and gets an answer to each.
 MAX_REFUSALS: Final = 64
 
 
-class Entrant(Protocol):
+class ClientConnection(Protocol):
     """The part of a connection that admission needs."""
 
     address: str
@@ -56,10 +56,10 @@ class Entrant(Protocol):
         """Accept messages of at most so many bytes from now on."""
 
 
-RoomFor = Callable[[Entrant], str | None]
+RoomFor = Callable[[ClientConnection], str | None]
 
 
-class TurnedAwayError(Exception):
+class NotAdmittedError(Exception):
     """Raised when a client is not admitted, with a close code and a text."""
 
     def __init__(self, close_code: int, status: StatusCode, reason: str) -> None:
@@ -89,73 +89,75 @@ class Admission:
         self._room_for = room_for
         self._rules = rules
         self.failures: Counter[str] = Counter()  # of authentication, by kind
-        self._waiting: dict[Entrant, float] = {}  # since when, the oldest first
+        self._waiting: dict[ClientConnection, float] = {}  # since when, the oldest first
 
     def __len__(self) -> int:
         """Count the clients that have not sent their token."""
         return len(self._waiting)
 
-    def identify(self, entrant: Entrant, headers: Headers) -> Identity | None:
+    def identify(self, connection: ClientConnection, headers: Headers) -> Identity | None:
         """Return who a client is by its handshake, or ``None`` if its first frame must say it.
 
         Raises:
-            TurnedAwayError: the token is invalid, or there is no room.
+            NotAdmittedError: the token is invalid, or there is no room.
         """
-        identity = self._without_token(entrant, headers)
+        identity = self._without_token(connection, headers)
         token = token_in(headers.get_all("Authorization"), offered_subprotocols(headers))
         if token is not None and self._authentication.looks_at_tokens:
-            identity = self._identify(entrant.address, token, entrant.name)
+            identity = self._identify(connection.address, token, connection.name)
         if identity is not None:
-            self._check_room(entrant)
+            self._check_room(connection)
         return identity
 
-    def identify_scraper(self, asker: Asker, address: str, headers: Headers) -> Identity:
+    def identify_scraper(
+        self, connection: HttpConnection, address: str, headers: Headers
+    ) -> Identity:
         """Return the identity behind an HTTP request for metrics or images.
 
         Raises:
-            TurnedAwayError: the token is missing or wrong.
+            NotAdmittedError: the token is missing or wrong.
             CredentialsError: there are several tokens.
         """
-        identity = self._without_token(asker, headers)
+        identity = self._without_token(connection, headers)
         token = token_in(headers.get_all("Authorization"), ())
         if token is not None and self._authentication.looks_at_tokens:
             return self._identify(address, token, None)
         if identity is None:
             reason = "send a token: Authorization: Bearer TOKEN"
-            raise TurnedAwayError(UNAUTHENTICATED, "forbidden", reason)
+            raise NotAdmittedError(UNAUTHENTICATED, "forbidden", reason)
         return identity
 
     def enter(
-        self, entrant: Entrant, session: ClientSession, request: Request, now_s: float
+        self, connection: ClientConnection, session: ClientSession, request: Request, now_s: float
     ) -> None:
         """Take note of a client whose session has begun."""
-        session.authenticate = partial(self._authenticate, entrant, session)
+        session.authenticate = partial(self._authenticate, connection, session)
         if session.identity is not None:
             self._record_connected(session, _shown_origin(request.headers))
             return
-        self._waiting[entrant] = now_s
-        entrant.limit_messages(self._config.unauthenticated_message_bytes)
+        self._waiting[connection] = now_s
+        connection.limit_messages(self._config.unauthenticated_message_bytes)
         if len(self._waiting) > self._config.max_unauthenticated:
             self._make_room()
 
     def tick(self, now_s: float) -> None:
         """Refuse clients that send no token for too long, or too many other operations."""
-        for entrant, since_s in list(self._waiting.items()):
-            session = entrant.session
+        for connection, since_s in list(self._waiting.items()):
+            session = connection.session
             if session is not None and session.refused > MAX_REFUSALS:
-                self._turn_away(
-                    entrant,
+                self._refuse_waiting(
+                    connection,
                     POLICY_VIOLATION,
                     "too many operations without a token: send the token first",
                 )
             elif now_s - since_s > self._config.auth_timeout_s:
                 reason = f"no token within {self._config.auth_timeout_s:g} s"
                 self.failures["timeout"] += 1
-                self._turn_away(entrant, UNAUTHENTICATED, reason)
+                self._refuse_waiting(connection, UNAUTHENTICATED, reason)
 
-    def left(self, entrant: Entrant, session: ClientSession | None) -> None:
+    def left(self, connection: ClientConnection, session: ClientSession | None) -> None:
         """Forget a client."""
-        self._waiting.pop(entrant, None)
+        self._waiting.pop(connection, None)
         if session is not None and session.identity is not None:
             identity = session.identity
             self._audit.record(
@@ -167,7 +169,10 @@ class Admission:
             )
 
     def reload(
-        self, tokens: Tokens, policy: Policy, clients: Iterable[tuple[Entrant, ClientSession]]
+        self,
+        tokens: Tokens,
+        policy: Policy,
+        clients: Iterable[tuple[ClientConnection, ClientSession]],
     ) -> list[ClientSession]:
         """Use other tokens and permissions, and close the clients that these no longer fit.
 
@@ -176,7 +181,7 @@ class Admission:
         """
         ended = []
         self._authentication.replace(tokens, policy)
-        for entrant, session in clients:
+        for connection, session in clients:
             before = session.identity
             if before is None:
                 continue
@@ -194,18 +199,22 @@ class Admission:
                 continue
             self._audit.record(
                 "revoked",
-                client=entrant.name,
+                client=connection.name,
                 name=before.name,
-                address=entrant.address,
+                address=connection.address,
                 code=code,
                 reason=reason,
             )
-            entrant.close(code, reason)
+            connection.close(code, reason)
             ended.append(session)
         return ended
 
     def _authenticate(
-        self, entrant: Entrant, session: ClientSession, token: str | None, request: CoreRequest
+        self,
+        connection: ClientConnection,
+        session: ClientSession,
+        token: str | None,
+        request: CoreRequest,
     ) -> None:
         """Take the token of a client.
 
@@ -221,18 +230,18 @@ class Admission:
             return  # from an old client, which needs no token
         if self._authentication.looks_at_tokens:
             try:
-                self._take_token(entrant, session, token)
-            except TurnedAwayError as error:
+                self._take_token(connection, session, token)
+            except NotAdmittedError as error:
                 session.refuse(ProtocolError(error.status, str(error)), request)
-                self._waiting.pop(entrant, None)
-                entrant.close(error.close_code, str(error))
+                self._waiting.pop(connection, None)
+                connection.close(error.close_code, str(error))
                 return
         if request.id is not None and session.identity is not None:
             identity = session.identity
             session.answer(request.kind, request.id, name=identity.name, role=identity.role)
 
-    def _take_token(self, entrant: Entrant, session: ClientSession, token: str) -> None:
-        identity = self._identify(entrant.address, token, entrant.name)
+    def _take_token(self, connection: ClientConnection, session: ClientSession, token: str) -> None:
+        identity = self._identify(connection.address, token, connection.name)
         before = session.identity
         if before is not None and before.digest is not None:
             if before.digest != identity.digest:
@@ -240,15 +249,17 @@ class Admission:
                 raise ProtocolError("bad_request", text)
             return
         if before is None:
-            self._check_room(entrant)
-        self._waiting.pop(entrant, None)
+            self._check_room(connection)
+        self._waiting.pop(connection, None)
         session.identity = identity
-        entrant.limit_messages(session.limits.max_message_bytes)
+        connection.limit_messages(session.limits.max_message_bytes)
         self._record_connected(session, None)
 
-    def _without_token(self, entrant: Entrant | Asker, headers: Headers) -> Identity | None:
+    def _without_token(
+        self, connection: ClientConnection | HttpConnection, headers: Headers
+    ) -> Identity | None:
         origin, host = headers.get("Origin"), headers["Host"]
-        standing = self._rules.standing(origin, host, is_encrypted=entrant.is_encrypted)
+        standing = self._rules.standing(origin, host, is_encrypted=connection.is_encrypted)
         return self._authentication.without_token(is_local_page=standing == "local")
 
     def _identify(self, address: str, token: str, client: str | None) -> Identity:
@@ -257,24 +268,26 @@ class Admission:
         except AuthenticationError as error:
             self.failures["wrong"] += 1
             self._audit.record("refused", client=client, address=address, reason=str(error))
-            raise TurnedAwayError(UNAUTHENTICATED, "forbidden", str(error)) from error
+            raise NotAdmittedError(UNAUTHENTICATED, "forbidden", str(error)) from error
 
-    def _check_room(self, entrant: Entrant) -> None:
-        reason = self._room_for(entrant)
+    def _check_room(self, connection: ClientConnection) -> None:
+        reason = self._room_for(connection)
         if reason is not None:
-            raise TurnedAwayError(OVER_CAPACITY, "limit_exceeded", reason)
+            raise NotAdmittedError(OVER_CAPACITY, "limit_exceeded", reason)
 
     def _make_room(self) -> None:
-        counts = Counter(entrant.address for entrant in self._waiting)
+        counts = Counter(connection.address for connection in self._waiting)
         oldest = max(self._waiting, key=lambda each: counts[each.address])  # the first of equals
         limit = self._config.max_unauthenticated
         reason = f"over capacity: at most {limit} clients without a token"
-        self._turn_away(oldest, OVER_CAPACITY, reason)
+        self._refuse_waiting(oldest, OVER_CAPACITY, reason)
 
-    def _turn_away(self, entrant: Entrant, code: int, reason: str) -> None:
-        del self._waiting[entrant]
-        self._audit.record("refused", client=entrant.name, address=entrant.address, reason=reason)
-        entrant.close(code, reason)
+    def _refuse_waiting(self, connection: ClientConnection, code: int, reason: str) -> None:
+        del self._waiting[connection]
+        self._audit.record(
+            "refused", client=connection.name, address=connection.address, reason=reason
+        )
+        connection.close(code, reason)
 
     def _record_connected(self, session: ClientSession, origin: str | None) -> None:
         assert session.identity is not None  # noqa: S101  # the callers have set it

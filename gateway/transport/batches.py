@@ -6,9 +6,9 @@ import sys
 from collections.abc import Callable, Iterable
 from typing import Final
 
-from gateway.codec.pieces import Piece
+from gateway.codec.chunks import Chunk
 
-_Write = Callable[[Iterable[Piece]], object]
+_Write = Callable[[Iterable[Chunk]], object]
 
 
 # A join of fewer bytes is cheaper than a system call for each frame. A larger one delays others.
@@ -30,7 +30,7 @@ def batch_writer(
     if not (is_deaf or joins):
         return transport.writelines
 
-    def write(frames: Iterable[Piece]) -> None:
+    def write(frames: Iterable[Chunk]) -> None:
         batch = list(frames)
         if sum(map(len, batch)) <= MOST_JOINED_BYTES:
             transport.write(b"".join(batch))

@@ -21,7 +21,6 @@ from websockets.protocol import CONNECTING, OPEN, Event
 from gateway.core.entries import Entry
 from gateway.core.errors import ProtocolError
 from gateway.core.token_bucket import TokenBucket
-from gateway.transport.acceptor import Acceptor
 from gateway.transport.batches import batch_writer
 from gateway.transport.close_codes import (
     INTERNAL_ERROR,
@@ -30,8 +29,8 @@ from gateway.transport.close_codes import (
 )
 from gateway.transport.end import (
     LOOKED_AWAY,
-    End,
-    Why,
+    ConnectionEnd,
+    EndCause,
     answered,
     answered_with,
     closed_by_gateway,
@@ -47,6 +46,7 @@ from gateway.transport.message_assembly import MessageAssembly
 from gateway.transport.pacing import Pacing
 from gateway.transport.picture_streams import Viewer
 from gateway.transport.protocol_output import ProtocolOutput
+from gateway.transport.server_interface import ServerInterface
 from gateway.transport.socket_options import tune
 
 logger = logging.getLogger(__name__)
@@ -57,10 +57,10 @@ WRITE_HIGH_WATER_BYTES: Final = 64 * 1024  # beyond this, frames wait where they
 class Connection(asyncio.BufferedProtocol):
     """A client from TCP accept to the end. Everything runs on the event loop's thread."""
 
-    def __init__(self, acceptor: Acceptor) -> None:
-        self._acceptor = acceptor
-        self._limits = acceptor.limits
-        self._protocol = new_protocol(self._limits.max_message_bytes, acceptor.fronts.choose)
+    def __init__(self, server: ServerInterface) -> None:
+        self._server = server
+        self._limits = server.limits
+        self._protocol = new_protocol(self._limits.max_message_bytes, server.fronts.choose)
         self._buffer = bytearray(READ_CHUNK_BYTES)
         self._transport: asyncio.Transport
         self._inbound: Inbound
@@ -76,11 +76,11 @@ class Connection(asyncio.BufferedProtocol):
         self._opened_s = now_ns / 1e9
         self.keep_alive = KeepAlive(self._limits, self._opened_s)
         self._closing_s: float | None = None
-        self._why: Why | None = None  # it ends
+        self._cause: EndCause | None = None  # it ends
         self._start = b""  # of the HTTP request
         self._gets_page = False  # of those that are written later
         self._bytes_in = 0
-        self._number = next(acceptor.numbers)
+        self._number = next(server.numbers)
         self.address = "?"
 
     # Called by asyncio
@@ -93,12 +93,12 @@ class Connection(asyncio.BufferedProtocol):
         peer = transport.get_extra_info("peername")
         self.address = str(peer[0]) if peer else "?"
         tune(transport.get_extra_info("socket"))
-        self.spending = self._acceptor.budgets.open(self.address)
+        self.spending = self._server.budgets.open(self.address)
         self._inbound = Inbound(self, self._protocol, transport, self.spending)
         self._pacing = Pacing(transport, self._go_on, self._note_rate)
         self._output = ProtocolOutput(transport, self._pacing)
         self.is_encrypted = self._output.is_encrypted
-        self._acceptor.arrive(self)
+        self._server.arrive(self)
 
     def get_buffer(self, sizehint: int) -> bytearray:
         """Lend the buffer, which bounds one read."""
@@ -128,7 +128,7 @@ class Connection(asyncio.BufferedProtocol):
         self._protocol.receive_eof()
         session, self._session = self._session, None
         try:
-            self._acceptor.left(self, session, self._end(session, exc, start_s))
+            self._server.left(self, session, self._end(session, exc, start_s))
         finally:  # the time to close its subscriptions also counts for the client
             self.spending.close(time.monotonic() - start_s)
             self._pacing.close()
@@ -199,14 +199,14 @@ class Connection(asyncio.BufferedProtocol):
         if self._closing_s is None:
             self._closing_s = time.monotonic()
         if self._protocol.state is OPEN:
-            self._why = self._why or closed_by_gateway(code, reason)
+            self._cause = self._cause or closed_by_gateway(code, reason)
             self._protocol.send_close(code, reason)
             self._write_protocol_output()
         elif self._protocol.state is CONNECTING:
-            self._why = self._why or replace(closed_by_gateway(code, reason), code=None)
+            self._cause = self._cause or replace(closed_by_gateway(code, reason), code=None)
             self._transport.close()
 
-    def turn_away(self, close_code: int, reason: str, text: bytes | None) -> None:
+    def reject(self, close_code: int, reason: str, text: bytes | None) -> None:
         """Close a client without a session. If there is a *text*, send that first."""
         # .NET's WebSocket shows its program no close code of 1012 to 1014, and no reason
         if text is not None:
@@ -217,7 +217,7 @@ class Connection(asyncio.BufferedProtocol):
         """Send the response to the HTTP request, unless the peer is gone."""
         if self._transport.is_closing() or self._protocol.eof_sent:
             return
-        self._why = answered_with(response)
+        self._cause = answered_with(response)
         self._protocol.send_response(response)
         self._write_protocol_output(may_be_large=True)
 
@@ -235,9 +235,9 @@ class Connection(asyncio.BufferedProtocol):
         """Accept messages of at most so many bytes from now on."""
         self._protocol.max_message_size = max_bytes
 
-    def abort(self, why: Why | None = None) -> None:
+    def abort(self, cause: EndCause | None = None) -> None:
         """Cut the connection. Give a cause unless it is ending already."""
-        self._why = self._why or why
+        self._cause = self._cause or cause
         self._closing_s = self._closing_s or time.monotonic()
         self._transport.abort()
 
@@ -265,7 +265,7 @@ class Connection(asyncio.BufferedProtocol):
         if self._gets_page:
             self.answer(self._protocol.reject(503, f"busy: no page {in_time}\n"))
         else:
-            self.abort(Why("gateway", "handshake", f"no handshake {in_time}"))
+            self.abort(EndCause("gateway", "handshake", f"no handshake {in_time}"))
 
     def _is_sending_page(self, now_s: float) -> bool:
         """Return whether a peer without a session must still accept its answer."""
@@ -306,7 +306,7 @@ class Connection(asyncio.BufferedProtocol):
     def end_turn(self) -> None:
         """Carry out deferred work."""
         if self._session is not None and self._session.deferred:
-            self._acceptor.end_turn(self._session)
+            self._server.end_turn(self._session)
 
     def fall_behind(self, *, is_behind: bool) -> None:
         """Keep only the newest waiting message of topics where only the newest counts."""
@@ -321,7 +321,7 @@ class Connection(asyncio.BufferedProtocol):
     # Incoming
 
     def _open(self, request: Request) -> None:
-        response = self._acceptor.respond(self, self._protocol, request)
+        response = self._server.respond(self, self._protocol, request)
         self._gets_page = response is None and self._viewer is None
         if response is not None:
             self.answer(response)
@@ -329,10 +329,10 @@ class Connection(asyncio.BufferedProtocol):
             # until a request is answered, `websockets` would parse the input behind it as frames
             self._inbound.ignore()
             return
-        self.address = self._acceptor.client_address(self.address, request)
+        self.address = self._server.client_address(self.address, request)
         self.spending.move(self.address)
-        self._front = self._acceptor.fronts.of(self._protocol.subprotocol)
-        self._session = self._acceptor.enter(self, self._front, request)
+        self._front = self._server.fronts.of(self._protocol.subprotocol)
+        self._session = self._server.enter(self, self._front, request)
         if self._session is None:
             self._inbound.drop()
             return
@@ -350,15 +350,15 @@ class Connection(asyncio.BufferedProtocol):
         if self._session is None:
             if isinstance(self._protocol.handshake_exc, InvalidMessage):
                 self._closing_s = time.monotonic()
-                response = self._acceptor.malformed(self._start)
-                self._why = answered(int(response.split()[1]), "not a supported HTTP request")
+                response = self._server.malformed(self._start)
+                self._cause = answered(int(response.split()[1]), "not a supported HTTP request")
                 self._transport.write(response)
             return
         if isinstance(self._protocol.parser_exc, PayloadTooBig):
             self._closing_s = time.monotonic()
             most = f"{self._protocol.max_message_size} bytes (limits.max_message_bytes)"
             text = f"message too large: send at most {most}"
-            self._why = closed_by_gateway(MESSAGE_TOO_BIG, text)
+            self._cause = closed_by_gateway(MESSAGE_TOO_BIG, text)
             self._session.refuse(ProtocolError("limit_exceeded", text))
             # the state is no longer open, so `flush` would not send it
             self._write_batch(self._session.outbox.take(WRITE_HIGH_WATER_BYTES))
@@ -397,16 +397,18 @@ class Connection(asyncio.BufferedProtocol):
         if self._session is not None and self._protocol.state is not OPEN:
             self._session.outbox.disconnect()  # a close frame must be the last one
         if self._output.write(output, may_be_large=may_be_large):
-            self.abort(Why("gateway", "abuse", "it sends pings and reads nothing"))
+            self.abort(EndCause("gateway", "abuse", "it sends pings and reads nothing"))
 
     # Time
 
-    def _end(self, session: ClientSession | None, error: Exception | None, now_s: float) -> End:
-        why = self._why or (LOOKED_AWAY if self._viewer and error is None else None)
-        why = why or ended_elsewhere(
+    def _end(
+        self, session: ClientSession | None, error: Exception | None, now_s: float
+    ) -> ConnectionEnd:
+        cause = self._cause or (LOOKED_AWAY if self._viewer and error is None else None)
+        cause = cause or ended_elsewhere(
             self._protocol, error, was_open=session is not None, is_silent=not self._bytes_in
         )
-        end = End(self.name, why, now_s - self._opened_s, self._bytes_in)
+        end = ConnectionEnd(self.name, cause, now_s - self._opened_s, self._bytes_in)
         if session is None:
             return end
         return replace(end, messages_in=session.received, frames_out=session.outbox.sent)
@@ -418,5 +420,5 @@ class Connection(asyncio.BufferedProtocol):
                 self._write_protocol_output()
             case Close(code, reason):
                 self.close(code, reason)
-            case Why() as why:
-                self.abort(why)
+            case EndCause() as cause:
+                self.abort(cause)

@@ -5,7 +5,7 @@ from collections import Counter, deque
 from typing import Final
 
 from gateway.metrics.histogram import Histogram
-from gateway.transport.end import End
+from gateway.transport.end import ConnectionEnd
 
 RECENT: Final = 40  # lags, ten seconds of them: /diagnostics is read by people
 
@@ -51,15 +51,15 @@ class ServerCounters:
         self.lag.observe(late_s)
         self._recent_s.append(late_s)
 
-    def ended(self, end: End, *, was_client: bool) -> None:
+    def ended(self, end: ConnectionEnd, *, was_client: bool) -> None:
         """Count the end of a connection."""
-        why = end.why
-        code = why.code
-        if why.by == "client" and code is not None and code not in _CODES:
+        cause = end.cause
+        code = cause.code
+        if cause.by == "client" and code is not None and code not in _CODES:
             shown = "other"
         else:
             shown = "" if code is None else str(code)
-        self.ends[why.by, why.reason, shown] += 1
-        if not was_client and why.reason != "http":
-            refusal = "none" if why.by != "gateway" else _REFUSALS.get(code or 0, why.reason)
+        self.ends[cause.by, cause.reason, shown] += 1
+        if not was_client and cause.reason != "http":
+            refusal = "none" if cause.by != "gateway" else _REFUSALS.get(code or 0, cause.reason)
             self.handshakes_refused[refusal] += 1

@@ -66,7 +66,7 @@ logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
-class Why:
+class EndCause:
     """The cause of an end: a word to count, and a text to read."""
 
     by: By
@@ -76,15 +76,15 @@ class Why:
 
 
 # a viewer of images has closed its side
-LOOKED_AWAY: Final = Why("client", "http", "it does not show images any more", 200)
+LOOKED_AWAY: Final = EndCause("client", "http", "it does not show images any more", 200)
 
 
 @dataclass(frozen=True, slots=True)
-class End:
+class ConnectionEnd:
     """A connection that is over."""
 
     client: str  # address and number
-    why: Why
+    cause: EndCause
     lasted_s: float
     bytes_in: int
     messages_in: int = 0
@@ -92,18 +92,18 @@ class End:
 
     def log(self) -> None:
         """Write its line in the log."""
-        why = self.why
+        cause = self.cause
         logger.log(
-            _LEVELS.get(why.reason, logging.INFO),
+            _LEVELS.get(cause.reason, logging.INFO),
             "ended by the %s after %.1f s: %s",
-            why.by,
+            cause.by,
             self.lasted_s,
-            truncate(why.text if why.code is None else f"{why.code} {why.text}".rstrip()),
+            truncate(cause.text if cause.code is None else f"{cause.code} {cause.text}".rstrip()),
             extra={
                 "client": self.client,
-                "reason": why.reason,
-                "by": why.by,
-                "code": why.code,
+                "reason": cause.reason,
+                "by": cause.by,
+                "code": cause.code,
                 "lasted_s": round(self.lasted_s, 3),
                 "bytes_in": self.bytes_in,
                 "messages_in": self.messages_in,
@@ -112,17 +112,17 @@ class End:
         )
 
 
-def closed_by_gateway(code: int, text: str) -> Why:
+def closed_by_gateway(code: int, text: str) -> EndCause:
     """Return the cause of an end by a closing handshake that the gateway began."""
-    return Why("gateway", _REASONS.get(code, "protocol_error"), text, code)
+    return EndCause("gateway", _REASONS.get(code, "protocol_error"), text, code)
 
 
-def answered(status: int, text: str) -> Why:
+def answered(status: int, text: str) -> EndCause:
     """Return the cause of an end by an HTTP response that begins no WebSocket."""
-    return Why("gateway", "http" if status < 400 else "handshake", text, status)
+    return EndCause("gateway", "http" if status < 400 else "handshake", text, status)
 
 
-def answered_with(response: Response) -> Why | None:
+def answered_with(response: Response) -> EndCause | None:
     """Return the cause of an end by this response, or ``None`` if a WebSocket begins."""
     status = response.status_code
     if status == 101:
@@ -134,22 +134,22 @@ def answered_with(response: Response) -> Why | None:
 
 def ended_elsewhere(
     protocol: ServerProtocol, error: Exception | None, *, was_open: bool, is_silent: bool
-) -> Why:
+) -> EndCause:
     """Return the cause of an end that the connection did not cause itself.
 
     *was_open*: it was a WebSocket. *is_silent*: the peer has sent nothing. *error*: of the socket.
     """
     if protocol.close_rcvd is not None:
-        return Why("client", "closed", protocol.close_rcvd.reason, protocol.close_rcvd.code)
+        return EndCause("client", "closed", protocol.close_rcvd.reason, protocol.close_rcvd.code)
     if protocol.close_sent is not None:  # `websockets` has found an invalid frame
         return closed_by_gateway(protocol.close_sent.code, protocol.close_sent.reason)
     text = ((error.strerror if isinstance(error, OSError) else None) or str(error)).lower()
     if was_open:
-        return Why("network", "lost", "no closing handshake" if error is None else text)
+        return EndCause("network", "lost", "no closing handshake" if error is None else text)
     refusal = protocol.handshake_exc
     if refusal is not None and not isinstance(refusal.__cause__, EOFError):
-        return Why("gateway", "handshake", f"its request is too large: {refusal}")
+        return EndCause("gateway", "handshake", f"its request is too large: {refusal}")
     if error is not None:
-        return Why("network", "handshake", text)
+        return EndCause("network", "handshake", text)
     sent = "nothing" if is_silent else "no whole request"
-    return Why("client", "handshake", f"it has sent {sent}")
+    return EndCause("client", "handshake", f"it has sent {sent}")

@@ -48,7 +48,7 @@ class Front(Protocol):
         """
 
     def rejection(self, code: StatusCode, reason: str) -> bytes:
-        """Return the message to a client that is turned away before it has a session."""
+        """Return the message to a client that is rejected before it has a session."""
 
     def receive(self, session: ClientSession, data: bytes) -> None:
         """Carry out one message of a client. Every error is answered."""

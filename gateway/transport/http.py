@@ -65,7 +65,7 @@ MAX_HEADER_CHARACTERS: Final = 16 * 1024
 _METHODS: Final = frozenset({"GET", "HEAD"})
 
 
-class Asker(Protocol):
+class HttpConnection(Protocol):
     """A connection that gets a page later, or images."""
 
     address: str
@@ -107,7 +107,7 @@ class Asker(Protocol):
         """Accept messages of at most so many bytes from now on."""
 
 
-AnswerLater = Callable[[ServerProtocol, Request, Asker], Response | None]
+AnswerLater = Callable[[ServerProtocol, Request, HttpConnection], Response | None]
 """Answer a request, or do so later: ``None``."""
 
 
@@ -131,13 +131,15 @@ class HttpFront:
         self._details = details
         self._answer_later = dict.fromkeys(PICTURE_PATHS, pictures) | {"/metrics": metrics}
 
-    def respond(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
+    def respond(
+        self, protocol: ServerProtocol, request: Request, connection: HttpConnection
+    ) -> Response | None:
         """Return the response. Its status is 101 if a WebSocket begins.
 
-        ``None`` means that *asker* gets it later.
+        ``None`` means that *connection* gets it later.
         """
         try:
-            return self._respond(protocol, request, asker)
+            return self._respond(protocol, request, connection)
         except CredentialsError as error:
             return protocol.reject(400, f"{error}\n")
         except UrlOptionError as error:
@@ -157,7 +159,9 @@ class HttpFront:
             return _raw(405, "Method Not Allowed", _NOT_ALLOWED, "Allow: GET, HEAD\r\n")
         return _raw(400, "Bad Request", "this is not an HTTP request\n")
 
-    def _respond(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
+    def _respond(
+        self, protocol: ServerProtocol, request: Request, connection: HttpConnection
+    ) -> Response | None:
         if sum(len(name) + len(value) for name, value in request.headers.raw_items()) > (
             MAX_HEADER_CHARACTERS
         ):
@@ -177,11 +181,11 @@ class HttpFront:
             return told
         if path in self._answer_later:
             check_target(request.path)
-            return self._origin_refusal(protocol, request, asker) or self._answer_later[path](
-                protocol, request, asker
+            return self._origin_refusal(protocol, request, connection) or self._answer_later[path](
+                protocol, request, connection
             )
         if request.headers.get("Upgrade") is None and (
-            found := self._page(protocol, request, asker)
+            found := self._page(protocol, request, connection)
         ):
             return found
         if path != self._path:
@@ -194,7 +198,7 @@ class HttpFront:
             request.headers.get_all("Authorization"), offered_subprotocols(request.headers)
         )  # refuses contradictions while there is a response to do it by
         return (
-            self._origin_refusal(protocol, request, asker)
+            self._origin_refusal(protocol, request, connection)
             or _version_refusal(protocol, request)
             or protocol.accept(request)
         )
@@ -213,14 +217,16 @@ class HttpFront:
         response.status_code, response.reason_phrase = status, HTTPStatus(status).phrase
         return response
 
-    def _page(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
+    def _page(
+        self, protocol: ServerProtocol, request: Request, connection: HttpConnection
+    ) -> Response | None:
         """Return a page or a part of one. Without HTML in `Accept`, the start page is a text."""
         path = urlsplit(request.path).path
         if path in {"/", self._path}:
             check_target(request.path)
             url_options(request.path)
             if not (is_browser(request) and self._files.find(INDEX)):
-                scheme = "wss" if asker.is_encrypted else "ws"
+                scheme = "wss" if connection.is_encrypted else "ws"
                 address = f"{scheme}://{request.headers['Host']}{self._path}"
                 return page(protocol, request, _WELCOME.format(address=address).encode())
             path = INDEX
@@ -236,10 +242,10 @@ class HttpFront:
             logger.warning("refused a request for host %s: to allow it, use  %s", name, setting)
 
     def _origin_refusal(
-        self, protocol: ServerProtocol, request: Request, asker: Asker
+        self, protocol: ServerProtocol, request: Request, connection: HttpConnection
     ) -> Response | None:
         origin, host = request.headers.get("Origin"), request.headers["Host"]
-        standing = self._rules.standing(origin, host, is_encrypted=asker.is_encrypted)
+        standing = self._rules.standing(origin, host, is_encrypted=connection.is_encrypted)
         if origin is None or standing != "foreign":
             return None
         shown = origin if is_plain(origin) else "this site"

@@ -11,7 +11,7 @@ from typing import Final, Protocol
 from gateway.config.limits import Limits
 from gateway.core.outbox import Outbox
 from gateway.transport.close_codes import SLOW_CONSUMER
-from gateway.transport.end import Why
+from gateway.transport.end import EndCause
 from gateway.transport.link import Reading
 
 # Time for a hole in the radio. While nothing is on the way, the kernel asks and judges by itself:
@@ -44,7 +44,7 @@ class Close:
 
 
 # `Why` cuts the connection for this cause: a closing handshake would wait behind unsent data.
-Verdict = SendPing | Close | Why
+Verdict = SendPing | Close | EndCause
 PING: Final = SendPing()
 
 
@@ -56,7 +56,7 @@ class KeepAlive:
         self._looked_s = now_s
         self._stuck_s: float | None = None  # the time since which nothing on the way is accepted
         self._acked_bytes = 0
-        self._crowded_s: float | None = None
+        self._backlog_s: float | None = None
         self._pinged_s = now_s
         self._unanswered_s: float | None = None  # when the oldest ping left that has no answer
         self.round_trip_s: float | None = None  # of the newest ping that was answered
@@ -75,21 +75,21 @@ class KeepAlive:
             or self._check_ping(now_s, way)
         )
 
-    def _check_link(self, now_s: float, way: WayOut) -> Why | None:
+    def _check_link(self, now_s: float, way: WayOut) -> EndCause | None:
         if now_s - self._looked_s < LOOK_S:
             return None
         self._looked_s = now_s
         reading = way.read()
         acked_bytes, self._acked_bytes = self._acked_bytes, reading.acked_bytes
         if reading.unanswered_s > DEAD_LINK_S:
-            return Why("network", "lost", f"nothing acknowledged for {DEAD_LINK_S:g} s")
+            return EndCause("network", "lost", f"nothing acknowledged for {DEAD_LINK_S:g} s")
         if not reading.on_the_way_bytes:
             self._stuck_s = None
         elif self._stuck_s is None or reading.acked_bytes > acked_bytes:
             self._stuck_s = now_s
         elif now_s - self._stuck_s > self._limits.send_deadline_s:
             text = f"it accepted nothing for {self._limits.send_deadline_s:g} s"
-            return Why("gateway", "send_timeout", text)
+            return EndCause("gateway", "send_timeout", text)
         return None
 
     def _check_backlog(self, now_s: float, outbox: Outbox, way: WayOut) -> Close | None:
@@ -97,10 +97,10 @@ class KeepAlive:
             return Close(SLOW_CONSUMER, "slow consumer: answers alone exceed the send queue")
         if not way.is_paused or outbox.excess <= outbox.max_bytes // 2:
             # If the socket accepts bytes, the queue waits for us, such as for an encoder.
-            self._crowded_s = None
-        elif self._crowded_s is None:
-            self._crowded_s = now_s
-        elif now_s - self._crowded_s > self._limits.slow_consumer_s:
+            self._backlog_s = None
+        elif self._backlog_s is None:
+            self._backlog_s = now_s
+        elif now_s - self._backlog_s > self._limits.slow_consumer_s:
             return Close(
                 SLOW_CONSUMER,
                 f"slow consumer: over half of {outbox.max_bytes} bytes waiting"

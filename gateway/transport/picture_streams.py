@@ -23,7 +23,7 @@ from gateway.core.requests import Subscribe
 from gateway.core.router import Router
 from gateway.sources.source import RosError
 from gateway.transport.front import ClientSession, Front
-from gateway.transport.http import Asker, page
+from gateway.transport.http import HttpConnection, page
 from gateway.transport.picture_requests import (
     SNAPSHOT,
     VIEWER,
@@ -56,12 +56,16 @@ class Viewer:
     """
 
     def __init__(
-        self, pictures: "Pictures", protocol: ServerProtocol, request: Request, asker: Asker
+        self,
+        pictures: "Pictures",
+        protocol: ServerProtocol,
+        request: Request,
+        connection: HttpConnection,
     ) -> None:
         self._pictures = pictures
         self._protocol = protocol
         self._request = request
-        self._asker = asker
+        self._connection = connection
         self._is_single = urlsplit(request.path).path == SNAPSHOT
         self._opened_s = time.monotonic()
         self._has_begun = False
@@ -78,14 +82,14 @@ class Viewer:
         self._flushing = True  # encoding may report an error, which wakes us again
         try:
             outbox = self.session.outbox
-            while outbox.size and not (self._is_over or self._asker.is_paused):
+            while outbox.size and not (self._is_over or self._connection.is_paused):
                 frames = outbox.take(1)
                 if not frames and not outbox.has_control:
                     break
                 for frame in frames:
                     self._take(orjson.loads(payload(bytes(frame))))
         except Exception as bug:  # noqa: BLE001  # of one viewer's
-            self._asker.fail(bug)
+            self._connection.fail(bug)
         finally:
             self._flushing = False
 
@@ -122,7 +126,7 @@ class Viewer:
             return
         self._begin()
         head = f"Content-Type: {_JPEG}\r\nContent-Length: {len(jpeg)}\r\n\r\n".encode()
-        self._asker.write(b"".join((head, jpeg, _DELIMITER)))
+        self._connection.write(b"".join((head, jpeg, _DELIMITER)))
 
     def _begin(self) -> None:
         if self._has_begun:
@@ -134,7 +138,7 @@ class Viewer:
         headers["Connection"] = "close"
         headers.update(_headers(self._request))
         head = b"HTTP/1.1 200 OK\r\n" + headers.serialize()
-        self._asker.write(head + _DELIMITER.lstrip())
+        self._connection.write(head + _DELIMITER.lstrip())
 
     def _refuse(self, status: int, text: str) -> None:
         """Answer with the reason why there is no image, before the response begins."""
@@ -145,8 +149,8 @@ class Viewer:
     def _answer(self, response: Response) -> None:
         """Send the only response. The subscription ends when its topic has woken the others."""
         self.end()
-        asyncio.get_running_loop().call_soon(self._pictures.left, self._asker)
-        self._asker.answer(response)
+        asyncio.get_running_loop().call_soon(self._pictures.left, self._connection)
+        self._connection.answer(response)
 
 
 class Pictures:
@@ -155,26 +159,26 @@ class Pictures:
     def __init__(self, router: Router, front: Front) -> None:
         self._router = router
         self._front = front
-        self._viewers: dict[Asker, Viewer] = {}
+        self._viewers: dict[HttpConnection, Viewer] = {}
 
     def __len__(self) -> int:
         """Count the requests that get pictures, or wait for one."""
         return len(self._viewers)
 
-    def __contains__(self, asker: object) -> bool:
+    def __contains__(self, connection: object) -> bool:
         """Return whether a connection gets pictures, or waits for one."""
-        return asker in self._viewers
+        return connection in self._viewers
 
-    def sessions(self) -> Iterator[tuple[Asker, ClientSession]]:
+    def sessions(self) -> Iterator[tuple[HttpConnection, ClientSession]]:
         """Yield the connection and the session of each viewer."""
-        for asker, viewer in self._viewers.items():
-            yield asker, viewer.session
+        for connection, viewer in self._viewers.items():
+            yield connection, viewer.session
 
     def respond(
         self,
         protocol: ServerProtocol,
         request: Request,
-        asker: Asker,
+        connection: HttpConnection,
         identity: Identity,
         address: str,
     ) -> Response | None:
@@ -195,32 +199,32 @@ class Pictures:
         if len(self._viewers) >= MAX_VIEWERS:
             text = f"busy: {MAX_VIEWERS} other viewers get images. Try again later, or use a page\n"
             return protocol.reject(503, text)
-        viewer = Viewer(self, protocol, request, asker)
+        viewer = Viewer(self, protocol, request, connection)
         viewer.session = self._front.open(viewer.flush, address, identity)
-        viewer.session.client = asker.name
+        viewer.session.client = connection.name
         viewer.session.set_level("warning")  # which it shows as the reason why no picture comes
-        self._viewers[asker] = viewer
-        asker.show(viewer)
-        return self._subscribe(protocol, viewer, asker, asked)
+        self._viewers[connection] = viewer
+        connection.show(viewer)
+        return self._subscribe(protocol, viewer, connection, asked)
 
-    def left(self, asker: Asker) -> None:
+    def left(self, connection: HttpConnection) -> None:
         """End the viewer of a connection, if there is one."""
-        viewer = self._viewers.pop(asker, None)
+        viewer = self._viewers.pop(connection, None)
         if viewer is not None:
             viewer.end()
             self._router.leave(viewer.session)
 
     def _subscribe(
-        self, protocol: ServerProtocol, viewer: Viewer, asker: Asker, asked: Subscribe
+        self, protocol: ServerProtocol, viewer: Viewer, connection: HttpConnection, asked: Subscribe
     ) -> Response | None:
         viewer.topic = asked.topic
         try:
             viewer.topic = self._router.view(viewer.session, asked)
         except (ProtocolError, RosError) as error:
-            self.left(asker)
+            self.left(connection)
             return protocol.reject(_STATUS.get(error.code, 400), f"{error}\n")
         except BaseException:
-            self.left(asker)
+            self.left(connection)
             raise
         return None
 
@@ -229,7 +233,7 @@ def _headers(request: Request) -> dict[str, str]:
     """Return the headers by which pages of this host, and those that are allowed, get pictures.
 
     A foreign page's `<img>` sends no Origin: so browsers are told to give such a page nothing.
-    Another origin, which was found to be welcome, is named so that ``crossorigin`` works.
+    Another origin, which was found to be allowed, is named so that ``crossorigin`` works.
     """
     headers = {
         "X-Content-Type-Options": "nosniff",

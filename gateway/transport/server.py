@@ -29,20 +29,20 @@ from gateway.metrics.page import CONTENT_TYPE
 from gateway.metrics.state import AddressState, ClientCounts, State, Summary
 from gateway.transport.admission import (
     Admission,
-    Entrant,
+    ClientConnection,
+    NotAdmittedError,
     RoomFor,
-    TurnedAwayError,
     everybody,
 )
 from gateway.transport.client_state import client_counts, client_state
 from gateway.transport.close_codes import GOING_AWAY
 from gateway.transport.connection import Connection
 from gateway.transport.counters import ServerCounters
-from gateway.transport.end import End, Why
+from gateway.transport.end import ConnectionEnd, EndCause
 from gateway.transport.forwarded import client_address
 from gateway.transport.front import ClientSession, Front, Fronts
 from gateway.transport.health import FindFaults, Health, no_faults
-from gateway.transport.http import Asker, HttpFront, own_names, page
+from gateway.transport.http import HttpConnection, HttpFront, own_names, page
 from gateway.transport.picture_streams import Pictures
 from gateway.transport.scrapes import Scrapes
 from gateway.transport.static_files import NO_FILES, StaticFiles
@@ -56,7 +56,7 @@ logger = logging.getLogger(__name__)
 
 # Sockets during their handshake, which takes milliseconds. Each is cut off after 5 s.
 MAX_HANDSHAKES: Final = 64
-# Sockets that were turned away, or got a page, and have a second to close.
+# Sockets that were rejected, or got a page, and have a second to close.
 MAX_LEAVING: Final = 64
 
 # Pages of metrics that are waited for, or not taken yet: a few times as many as there are scrapers,
@@ -72,7 +72,7 @@ TICK_S: Final = 0.25  # the precision of timeouts. The cost of 4 wake-ups a seco
 
 
 @dataclass(frozen=True, slots=True)
-class Door:
+class ListenPort:
     """A port to listen on, 0 for any free one. With *tls* clients need ``wss://`` there."""
 
     port: int
@@ -120,9 +120,9 @@ class Server:
 
     @contextlib.asynccontextmanager
     async def listening(
-        self, hosts: Sequence[str], *doors: Door
+        self, hosts: Sequence[str], *ports: ListenPort
     ) -> AsyncIterator[list[list[tuple[str, int]]]]:
-        """Serve inside the context. Yield of each door the addresses, all on its port.
+        """Serve inside the context. Yield of each port the addresses, all on its port.
 
         All share the clients, their limits and rules. A machine may have no IPv6: all *hosts* but
         the first may fail.
@@ -132,7 +132,7 @@ class Server:
         """
         listeners: list[asyncio.Server] = []
         try:
-            addresses = [await self._open(door, hosts, listeners) for door in doors]
+            addresses = [await self._open(listen, hosts, listeners) for listen in ports]
             ticking = asyncio.create_task(self._tick())
             try:
                 yield addresses
@@ -145,25 +145,25 @@ class Server:
             await self._close_all()
 
     async def _open(
-        self, door: Door, hosts: Sequence[str], listeners: list[asyncio.Server]
+        self, listen: ListenPort, hosts: Sequence[str], listeners: list[asyncio.Server]
     ) -> list[tuple[str, int]]:
-        """Listen on a door, add its listeners to *listeners*, and return its addresses."""
-        if door.tls is not None:
-            log_failed_handshakes(door.tls)
+        """Listen on a port, add its listeners to *listeners*, and return its addresses."""
+        if listen.tls is not None:
+            log_failed_handshakes(listen.tls)
         open_s = self.limits.open_timeout_s
         # no sooner than a connection ends by itself: until then a slow peer may take its page
         page_s = open_s + self.limits.send_deadline_s + self.limits.close_timeout_s
         addresses: list[tuple[str, int]] = []
         for host in hosts:
-            port = addresses[0][1] if addresses else door.port
+            port = addresses[0][1] if addresses else listen.port
             try:
                 listener = await asyncio.get_running_loop().create_server(
                     lambda: Connection(self),
                     host,
                     port,
-                    ssl=door.tls,
-                    ssl_handshake_timeout=open_s if door.tls else None,
-                    ssl_shutdown_timeout=page_s if door.tls else None,
+                    ssl=listen.tls,
+                    ssl_handshake_timeout=open_s if listen.tls else None,
+                    ssl_shutdown_timeout=page_s if listen.tls else None,
                 )
             except OSError as error:
                 if not addresses:
@@ -246,7 +246,7 @@ class Server:
         """Return the whole state, at one moment."""
         return State(self.summary(), self._router.traffic())
 
-    # For connections: see `Acceptor`
+    # For connections: see `ServerInterface`
 
     def arrive(self, connection: Connection) -> None:
         """Add a connection. If too many are not clients yet, the greediest address loses one."""
@@ -257,16 +257,18 @@ class Server:
             counts = Counter(other.address for other in half_open)
             oldest = max(half_open, key=lambda other: counts[other.address])  # the first of equals
             text = f"no handshake, and {MAX_HANDSHAKES} others wait"
-            oldest.abort(Why("gateway", "handshake", text))
+            oldest.abort(EndCause("gateway", "handshake", text))
         leaving = [other for other in self._connections if other.is_leaving]
         if len(leaving) > MAX_LEAVING:
             leaving[0].abort()
 
-    def _metrics(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
+    def _metrics(
+        self, protocol: ServerProtocol, request: Request, connection: HttpConnection
+    ) -> Response | None:
         """Have the metrics written for a role, or refuse the request."""
         try:
-            _, identity = self._identify(request, asker)
-        except TurnedAwayError as error:
+            _, identity = self._identify(request, connection)
+        except NotAdmittedError as error:
             return _unauthenticated(protocol, error)
         if request.method == "HEAD":
             return page(protocol, request, None, CONTENT_TYPE)
@@ -275,25 +277,27 @@ class Server:
 
         def reply(body: bytes | None) -> None:
             if body is None:
-                asker.answer(protocol.reject(500, "internal error\n"))
+                connection.answer(protocol.reject(500, "internal error\n"))
             else:
-                asker.answer(page(protocol, request, body, CONTENT_TYPE))
+                connection.answer(page(protocol, request, body, CONTENT_TYPE))
 
         self._scrapes.ask(identity, reply)
         return None
 
-    def _show(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
+    def _show(
+        self, protocol: ServerProtocol, request: Request, connection: HttpConnection
+    ) -> Response | None:
         """Have images sent to a role, or refuse the request."""
         try:
-            address, identity = self._identify(request, asker)
-        except TurnedAwayError as error:
+            address, identity = self._identify(request, connection)
+        except NotAdmittedError as error:
             return _unauthenticated(protocol, error)
-        return self._pictures.respond(protocol, request, asker, identity, address)
+        return self._pictures.respond(protocol, request, connection, identity, address)
 
-    def _identify(self, request: Request, asker: Asker) -> tuple[str, Identity]:
+    def _identify(self, request: Request, connection: HttpConnection) -> tuple[str, Identity]:
         """Return the address and the identity behind an HTTP request."""
-        address = self.client_address(asker.address, request)
-        return address, self._admission.identify_scraper(asker, address, request.headers)
+        address = self.client_address(connection.address, request)
+        return address, self._admission.identify_scraper(connection, address, request.headers)
 
     def client_address(self, peer: str, request: Request) -> str:
         """Return the address of a client, which may be behind proxies."""
@@ -309,27 +313,27 @@ class Server:
         """Return the response to bytes that are not an HTTP request."""
         return self._http.malformed(start)
 
-    def _room_for(self, entrant: Entrant) -> str | None:
+    def _room_for(self, connection: ClientConnection) -> str | None:
         """Return the reason why there is no room for a client, or ``None``."""
         sessions = [(other, other.session) for other in self._connections]
         clients = [each for each, session in sessions if session and session.identity]
         limits = self.limits
         if len(clients) >= limits.max_clients:
             return f"over capacity: at most {limits.max_clients} clients (limits.max_clients)"
-        same = sum(other.address == entrant.address for other in clients)
+        same = sum(other.address == connection.address for other in clients)
         if same >= limits.max_clients_per_address:
             return f"over capacity: {same} clients of one address (limits.max_clients_per_address)"
         return None
 
     def enter(self, connection: Connection, front: Front, request: Request) -> ClientSession | None:
-        """Open a session for a connection, or turn it away."""
+        """Open a session for a connection, or reject it."""
         options = url_options(request.path)
         try:
             identity = self._admission.identify(connection, request.headers)
-        except TurnedAwayError as error:
+        except NotAdmittedError as error:
             code, reason = options.told(error.status), str(error)
             text = None if code is None else front.rejection(code, reason)
-            connection.turn_away(error.close_code, reason, text)
+            connection.reject(error.close_code, reason, text)
             return None
         session = front.open(connection.flush, connection.address, identity)
         session.client = connection.name
@@ -343,7 +347,7 @@ class Server:
 
         Everything that a client has open ends at once. A robot must not wait for a handshake.
         """
-        clients: list[tuple[Entrant, ClientSession]] = [
+        clients: list[tuple[ClientConnection, ClientSession]] = [
             (each, each.session) for each in self._connections if each.session is not None
         ]
         clients += self._pictures.sessions()
@@ -354,7 +358,9 @@ class Server:
         """Carry out the deferred work of a session."""
         self._router.end_turn(session)
 
-    def left(self, connection: Connection, session: ClientSession | None, end: End) -> None:
+    def left(
+        self, connection: Connection, session: ClientSession | None, end: ConnectionEnd
+    ) -> None:
         """Close everything that a connection had open."""
         self._connections.pop(connection, None)
         if not self._connections:
@@ -384,7 +390,7 @@ class Server:
                 except Exception:  # our fault must not end the keep-alive of others
                     client = {"client": connection.name}
                     logger.exception("keeping the times of a client failed", extra=client)
-                    connection.abort(Why("gateway", "internal_error", "internal error"))
+                    connection.abort(EndCause("gateway", "internal_error", "internal error"))
 
     async def _close_all(self) -> None:
         for connection in list(self._connections):
@@ -397,7 +403,7 @@ class Server:
         await self._all_gone.wait()
 
 
-def _unauthenticated(protocol: ServerProtocol, error: TurnedAwayError) -> Response:
+def _unauthenticated(protocol: ServerProtocol, error: NotAdmittedError) -> Response:
     response = protocol.reject(401, f"{error}\n")
     response.headers["WWW-Authenticate"] = "Bearer"
     return response

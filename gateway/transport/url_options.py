@@ -21,7 +21,7 @@ class UrlOptions(NamedTuple):
     status: Level | None  # as by `set_level`
 
     def told(self, code: StatusCode) -> StatusCode | None:
-        """Return the code of a `status` to a client that is turned away, if it asks for one."""
+        """Return the code of a `status` to a client that is rejected, if it asks for one."""
         return None if self.status in {None, "none"} else code
 
     def apply(self, session: ClientSession) -> None:

@@ -22,11 +22,11 @@ def test_a_token_identifies_its_client():
 
 
 def test_a_right_token_passes_after_any_number_of_wrong_ones():
-    door = authentication()
+    known = authentication()
     for _ in range(20):
         with pytest.raises(AuthenticationError, match="the token is wrong"):
-            door.identify("wrong")
-    assert door.identify(TEXT).name == "tablet"
+            known.identify("wrong")
+    assert known.identify(TEXT).name == "tablet"
 
 
 def test_without_a_token_a_client_is_anonymous_or_nobody():
@@ -42,18 +42,18 @@ def test_tokens_are_checked_if_they_make_a_difference(role, looks):
 
 
 def test_after_a_reload_a_client_has_the_identity_of_its_token():
-    door = authentication("viewer")
-    tablet, anonymous = door.identify(TEXT), door.anonymous
+    known = authentication("viewer")
+    tablet, anonymous = known.identify(TEXT), known.anonymous
     assert anonymous is not None
-    assert door.current(tablet) == tablet
+    assert known.current(tablet) == tablet
     demoted = TOKEN.model_copy(update={"role": "viewer"})
     policy = Policy(AccessConfig(viewer=ViewerConfig(subscribe=("/a",))))
-    door.tokens, door.policy = Tokens((demoted,)), policy
-    now = door.current(tablet)
+    known.tokens, known.policy = Tokens((demoted,)), policy
+    now = known.current(tablet)
     assert now is not None
     assert (now.role, now.permissions) == ("viewer", policy.of("viewer"))
-    unnamed = door.current(anonymous)
+    unnamed = known.current(anonymous)
     assert unnamed is not None
     assert unnamed.permissions is policy.of("viewer")
-    door.tokens = Tokens()
-    assert door.current(tablet) is None
+    known.tokens = Tokens()
+    assert known.current(tablet) is None

@@ -87,7 +87,7 @@ def test_a_page_that_came_without_encryption_is_not_own_where_the_gateway_encryp
     ],
 )
 def test_a_page_of_another_server_on_this_machine_is_local(origin, host, is_local):
-    rules = WebRules((*OWN, "robot.lan"), welcomes_local=True)
+    rules = WebRules((*OWN, "robot.lan"), allows_local=True)
     assert rules.standing(origin, host, is_encrypted=False) == ("local" if is_local else "foreign")
     unwelcoming = WebRules((*OWN, "robot.lan"))
     assert unwelcoming.standing(origin, host, is_encrypted=False) == "foreign"

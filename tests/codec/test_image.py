@@ -230,7 +230,7 @@ def test_a_jpeg_shows_the_known_picture(encoding):
     assert picture.data.startswith(b"\xff\xd8")
     assert picture.depth_range_m is None
     assert decoded(picture).dtype == np.uint8
-    # a colour interpolated across an edge spoils the JPEG block that it is in
+    # a colour interpolated across an edge damages the JPEG block that it is in
     margin = 16 if encoding.startswith("bayer") else 2
     assert_similar(seen(picture), INTENSITIES[encoding][1], tolerance=6, margin=margin)
 

@@ -156,7 +156,7 @@ def test_duplicates_are_found_wherever_they_are_and_only_there(text):
 def test_contents_of_strings_are_not_counted_wherever_a_text_is_cut(text, before, piece):
     text = " " * before + text
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(json_bounds, "PIECE_BYTES", piece)
+        patch.setattr(json_bounds, "CHUNK_BYTES", piece)
         found = in_one_go(outline(text.encode(), 10_000, takes_arrays=False))
     rest = re.sub(r'"(?:[^"\\]|\\.)*"', '"', text)
     assert (found.strings, found.colons, found.commas) == tuple(map(rest.count, '":,'))

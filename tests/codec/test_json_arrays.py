@@ -57,7 +57,7 @@ def same(one: object, other: object) -> bool:
 def short(monkeypatch):
     """Make every array a long one, and every slice short."""
     monkeypatch.setattr(json_bounds, "MIN_ARRAY_BYTES", 1)
-    monkeypatch.setattr(json_bounds, "PIECE_BYTES", 7)
+    monkeypatch.setattr(json_bounds, "CHUNK_BYTES", 7)
     monkeypatch.setattr(json_arrays, "SLICE_BYTES", 30)
 
 

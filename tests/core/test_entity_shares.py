@@ -20,7 +20,7 @@ PER_ADDRESS = ("limit_exceeded", f"at most 8 ROS entities per address, {KINDS}")
 
 
 @pytest.fixture
-def crowd(bench: Bench) -> Bench:
+def full(bench: Bench) -> Bench:
     bench.router._shares = EntityShares(Limits(max_ros_entities=16), bench.router._shares._parts)
     return bench
 
@@ -45,61 +45,61 @@ FURTHER: list[dict[str, Any]] = [
 
 
 @pytest.mark.parametrize("operation", FURTHER, ids=lambda each: each["op"])
-async def test_a_client_has_a_quarter_of_all_entities(crowd: Bench, operation: dict[str, Any]):
-    client = crowd.client()
+async def test_a_client_has_a_quarter_of_all_entities(full: Bench, operation: dict[str, Any]):
+    client = full.client()
     fill(client, "a")
     client.send(**operation)
     assert client.statuses == [PER_CLIENT]
 
 
-async def test_a_goal_beyond_the_share_gets_its_result(crowd: Bench):
-    crowd.ros.add_action_server("/count", FIBONACCI, lambda goal: None, lambda goal: None)
-    client = crowd.client()
+async def test_a_goal_beyond_the_share_gets_its_result(full: Bench):
+    full.ros.add_action_server("/count", FIBONACCI, lambda goal: None, lambda goal: None)
+    client = full.client()
     fill(client, "a")
     client.send(op="send_action_goal", id="g", action="/count", args={})
     (result,) = client.of("action_result")
     assert result["values"] == PER_CLIENT[1]
 
 
-async def test_an_address_has_half_of_all_entities(crowd: Bench):
+async def test_an_address_has_half_of_all_entities(full: Bench):
     for name in "ab":
-        fill(crowd.client("10.0.0.1"), name)
-    third = crowd.client("10.0.0.1")
+        fill(full.client("10.0.0.1"), name)
+    third = full.client("10.0.0.1")
     third.send(op="subscribe", topic="/more", type=STRING)
     assert third.statuses == [PER_ADDRESS]
-    fill(crowd.client("10.0.0.2"), "c")
+    fill(full.client("10.0.0.2"), "c")
 
 
-async def test_a_shared_entity_counts_for_each_client_that_uses_it(crowd: Bench):
-    first = crowd.client("10.0.0.1")
-    second = crowd.client("10.0.0.2")
+async def test_a_shared_entity_counts_for_each_client_that_uses_it(full: Bench):
+    first = full.client("10.0.0.1")
+    second = full.client("10.0.0.2")
     for number in range(4):
         first.send(op="subscribe", topic=f"/t{number}", type=STRING)
         second.send(op="subscribe", topic=f"/t{number}", type=STRING)
-    assert crowd.ros.entity_count() == 4
-    crowd.router.leave(first.session)  # it has opened what the second client uses
+    assert full.ros.entity_count() == 4
+    full.router.leave(first.session)  # it has opened what the second client uses
     second.send(op="advertise", topic="/more", type=STRING)
     assert second.statuses == [PER_CLIENT]
 
 
-async def test_an_entity_that_is_given_back_may_be_used_again(crowd: Bench):
-    client = crowd.client()
+async def test_an_entity_that_is_given_back_may_be_used_again(full: Bench):
+    client = full.client()
     fill(client, "a")
     client.send(op="unsubscribe", topic="/a")
     client.send(op="subscribe", topic="/more", type=STRING)
     client.send(op="subscribe", topic="/more", type=STRING, id="again")  # the same entity
     assert client.statuses == []
-    crowd.router.leave(client.session)
+    full.router.leave(client.session)
     for name in "bc":
-        fill(crowd.client(), name)
+        fill(full.client(), name)
 
 
-async def test_of_a_client_that_has_left_nothing_is_kept(crowd: Bench):
-    client = crowd.client()
+async def test_of_a_client_that_has_left_nothing_is_kept(full: Bench):
+    client = full.client()
     fill(client, "a")
     session = weakref.ref(client.session)
-    crowd.router.leave(client.session)
-    await crowd.settle()  # an unfinished operation may refer to it
+    full.router.leave(client.session)
+    await full.settle()  # an unfinished operation may refer to it
     del client
     gc.collect()
     assert session() is None

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway.codec.pieces import Pieces
+from gateway.codec.chunks import Chunks
 from gateway.core.entries import NOT_READY, NOTHING, Frame
 from gateway.core.outbox import Outbox, Queue
 
@@ -36,7 +36,7 @@ EVERYTHING = 1 << 30
 def test_a_frame_in_pieces_is_taken_as_these_and_counts_as_one():
     outbox = Outbox(1000)
     queue = outbox.open_queue(10, None)
-    pieces = Pieces.of([b"header", b"one", memoryview(b"two")])
+    pieces = Chunks.of([b"header", b"one", memoryview(b"two")])
     for frame in (pieces, b"small"):
         item = Item(b"size")
         item.frame = lambda frame=frame: frame  # type: ignore[method-assign, misc]

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from gateway.access.permissions import Identity
+from gateway.codec.chunks import Chunks
 from gateway.codec.json import dumps
-from gateway.codec.pieces import Pieces
 from gateway.core.errors import Level, ProtocolError, StatusCode
 from gateway.core.frames import PerClient, PublishFrames
 from gateway.core.requests import (
@@ -43,11 +43,11 @@ class LineFrames:
     def per_client(self, message: bytes, _: PerClient) -> bytes:
         return self.shared(message)
 
-    def shared_pieces(self, message: Pieces) -> Pieces:
+    def shared_chunks(self, message: Chunks) -> Chunks:
         return message.within(header(TEXT, len(self._prefix) + len(message)) + self._prefix, b"")
 
-    def per_client_pieces(self, message: Pieces, _: PerClient) -> Pieces:
-        return self.shared_pieces(message)
+    def per_client_chunks(self, message: Chunks, _: PerClient) -> Chunks:
+        return self.shared_chunks(message)
 
 
 class LineFraming:

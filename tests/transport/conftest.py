@@ -21,7 +21,7 @@ from gateway.core.router import Router
 from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.transport.front import Fronts
 from gateway.transport.http import own_names
-from gateway.transport.server import Door, Server
+from gateway.transport.server import ListenPort, Server
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
@@ -85,13 +85,13 @@ def serve() -> Serve:
     async def open_server(
         limits: dict[str, Any] | None = None,
         allowed_origins: tuple[str, ...] = (),
-        welcomes_local: bool = False,
+        allows_local: bool = False,
         tls: ssl.SSLContext | None = None,
         **options: Any,
     ) -> AsyncIterator[Served]:
         ros = FakeRos()
         types = Types(InstalledDefinitions(folders=[SHIPPED]))
-        rules = WebRules(own_names(), (), allowed_origins, welcomes_local=welcomes_local)
+        rules = WebRules(own_names(), (), allowed_origins, allows_local=allows_local)
         all_limits = Limits(**{"max_clients": 8, "max_clients_per_address": 8, **(limits or {})})
         with ThreadPoolExecutor(2) as workers:
             router = Router(ros, types, TABLE, limits=all_limits, workers=workers, version="test")
@@ -102,7 +102,7 @@ def serve() -> Serve:
                 web_rules=rules,
                 **options,
             )
-            async with server.listening(["127.0.0.1"], Door(0, tls)) as (((_, port),),):
+            async with server.listening(["127.0.0.1"], ListenPort(0, tls)) as (((_, port),),):
                 yield Served(server, ros, types, port)
             assert server.health()["clients"] == 0
             router.close()

@@ -32,7 +32,7 @@ OPERATORS, OPERATOR = make_token("tablet", "operator", NOW)
 VIEWERS, VIEWER = make_token("wall", "viewer", NOW)
 
 
-class Door:
+class AccessServer:
     """A served gateway that asks for tokens, and its audit log."""
 
     def __init__(self, serve: Serve, **config: Any) -> None:
@@ -78,17 +78,20 @@ def without_token(events: list[dict[str, Any]]) -> bool:
     ids=["operator", "viewer"],
 )
 async def test_a_token_in_the_header_gives_its_role(serve: Serve, token, role):
-    door = Door(serve)
-    async with door.open() as served:
+    access_server = AccessServer(serve)
+    async with access_server.open() as served:
         async with client(served.url, additional_headers=bearer(token)) as speaker:
             assert await role_of(speaker) == role
-        await eventually(lambda: len(door.events) == 2)
-    assert [each["event"] for each in door.events] == ["connected", "disconnected"]
-    assert (door.events[0]["role"], door.events[0]["address"]) == (role, "127.0.0.1")
-    assert without_token(door.events)
+        await eventually(lambda: len(access_server.events) == 2)
+    assert [each["event"] for each in access_server.events] == ["connected", "disconnected"]
+    assert (access_server.events[0]["role"], access_server.events[0]["address"]) == (
+        role,
+        "127.0.0.1",
+    )
+    assert without_token(access_server.events)
 
 
-LOCAL = {"welcomes_local": True}
+LOCAL = {"allows_local": True}
 PAGE = "http://localhost:3000"  # of another server on this machine
 
 
@@ -103,18 +106,18 @@ PAGE = "http://localhost:3000"  # of another server on this machine
 async def test_a_local_page_has_the_role_page_unless_its_origin_is_allowed_or_others_have_less(
     serve: Serve, rules, config, role
 ):
-    door = Door(serve, rules=rules, **config)
-    async with door.open() as served, client(served.url, origin=PAGE) as speaker:
+    access_server = AccessServer(serve, rules=rules, **config)
+    async with access_server.open() as served, client(served.url, origin=PAGE) as speaker:
         assert await role_of(speaker) == role
-        (connected,) = door.of("connected")
+        (connected,) = access_server.of("connected")
         assert (connected["role"], connected["origin"]) == (role, PAGE)
 
 
 async def test_after_a_reload_a_local_page_has_the_role_page_still(serve: Serve):
-    door = Door(serve, rules=LOCAL, anonymous_role="admin")
-    async with door.open() as served, client(served.url, origin=PAGE) as page:
+    access_server = AccessServer(serve, rules=LOCAL, anonymous_role="admin")
+    async with access_server.open() as served, client(served.url, origin=PAGE) as page:
         await page.sync()
-        served.server.reload(Tokens(), Policy(door.config))
+        served.server.reload(Tokens(), Policy(access_server.config))
         assert await role_of(page) == "page"
         permitted = AccessConfig(page=PageConfig(publish=("/cmd_vel",)))
         served.server.reload(Tokens(), Policy(permitted))
@@ -122,7 +125,7 @@ async def test_after_a_reload_a_local_page_has_the_role_page_still(serve: Serve)
 
 
 async def test_a_token_among_the_subprotocols_is_taken_and_never_repeated(serve: Serve):
-    async with Door(serve).open() as served:
+    async with AccessServer(serve).open() as served:
         offered = ["ros2-gateway", f"bearer.{OPERATORS}"]
         async with client(served.url, subprotocols=offered) as speaker:
             assert speaker.socket.subprotocol == "ros2-gateway"
@@ -143,8 +146,8 @@ async def test_clients_that_offer_other_subprotocols_get_none(serve: Serve):
 
 
 async def test_a_token_in_the_first_frame_opens_the_door(serve: Serve):
-    door = Door(serve)
-    async with door.open() as served, client(served.url) as speaker:
+    access_server = AccessServer(serve)
+    async with access_server.open() as served, client(served.url) as speaker:
         await speaker.send(op="auth", id="a", token=OPERATORS)
         assert await speaker.receive() == {
             "op": "auth",
@@ -154,11 +157,11 @@ async def test_a_token_in_the_first_frame_opens_the_door(serve: Serve):
         }
         await speaker.send(op="publish", topic="/a", type=STRING, msg={"data": "x" * 10_000})
         assert await speaker.sync() == []
-        assert len(door.of("connected")) == 1
+        assert len(access_server.of("connected")) == 1
 
 
 async def test_before_its_token_everything_is_refused_with_words(serve: Serve):
-    async with Door(serve).open() as served, client(served.url) as speaker:
+    async with AccessServer(serve).open() as served, client(served.url) as speaker:
         for operation in ("ping", "hello", "graph"):
             await speaker.send(op=operation)
         await speaker.send(op="subscribe", topic="/a", type=STRING)
@@ -183,12 +186,12 @@ async def test_before_its_token_everything_is_refused_with_words(serve: Serve):
     ],
 )
 async def test_a_wrong_token_in_the_first_frame_gets_4401(serve: Serve, token):
-    door = Door(serve)
-    async with door.open() as served, client(served.url) as speaker:
+    access_server = AccessServer(serve)
+    async with access_server.open() as served, client(served.url) as speaker:
         await speaker.send(op="auth", id=1, token=token)
         assert await closing(speaker) == (4401, "the token is wrong")
         assert [frame["code"] for frame in speaker.seen] == ["forbidden"]
-    (event,) = door.of("refused")
+    (event,) = access_server.of("refused")
     assert event == {**event, "address": "127.0.0.1", "reason": "the token is wrong"}
 
 
@@ -201,7 +204,7 @@ async def test_a_wrong_token_in_the_first_frame_gets_4401(serve: Serve, token):
     ],
 )
 async def test_a_wrong_token_in_the_handshake_gets_4401(serve: Serve, options):
-    async with Door(serve).open() as served, client(served.url, **options) as speaker:
+    async with AccessServer(serve).open() as served, client(served.url, **options) as speaker:
         assert await closing(speaker) == (4401, "the token is wrong")
         assert speaker.seen[0]["code"] == "forbidden"
 
@@ -217,27 +220,27 @@ async def test_a_wrong_token_in_the_handshake_gets_4401(serve: Serve, options):
     ids=["in the address", "basic", "two", "two places"],
 )
 async def test_a_token_in_a_wrong_place_or_two_tokens_get_400(serve: Serve, target, headers):
-    door = Door(serve)
-    async with door.open() as served:
+    access_server = AccessServer(serve)
+    async with access_server.open() as served:
         request = upgrade("Host: localhost", *headers).replace(b"GET / ", f"GET {target} ".encode())
         assert await status_of(served, request) == 400
-    assert without_token(door.events)
+    assert without_token(access_server.events)
 
 
 async def test_a_client_that_sends_no_token_is_closed_after_a_while(serve: Serve):
-    door = Door(serve, auth_timeout_s=0.2)
+    access_server = AccessServer(serve, auth_timeout_s=0.2)
     async with (
-        door.open() as served,
+        access_server.open() as served,
         client(served.url) as silent,
         client(served.url, additional_headers=bearer(VIEWERS)) as other,
     ):
         assert await closing(silent) == (4401, "no token within 0.2 s")
         await other.sync()
-    assert door.of("refused")[0]["reason"] == "no token within 0.2 s"
+    assert access_server.of("refused")[0]["reason"] == "no token within 0.2 s"
 
 
 async def test_before_its_token_a_client_sends_small_messages_alone(serve: Serve):
-    async with Door(serve).open() as served:
+    async with AccessServer(serve).open() as served:
         async with client(served.url) as speaker:
             await speaker.send(op="ping", value="x" * 5000)
             code, _ = await closing(speaker)
@@ -281,8 +284,8 @@ def test_64_operations_without_a_token_are_not_abuse_yet():
 
 
 async def test_so_many_clients_wait_for_their_token_and_the_oldest_makes_room(serve: Serve):
-    door = Door(serve, max_unauthenticated=3, limits={"max_clients": 1})
-    async with door.open() as served, contextlib.AsyncExitStack() as stack:
+    access_server = AccessServer(serve, max_unauthenticated=3, limits={"max_clients": 1})
+    async with access_server.open() as served, contextlib.AsyncExitStack() as stack:
         waiting = [await stack.enter_async_context(client(served.url)) for _ in range(4)]
         reason = "over capacity: at most 3 clients without a token"
         assert await closing(waiting[0]) == (1013, reason)
@@ -294,7 +297,7 @@ async def test_so_many_clients_wait_for_their_token_and_the_oldest_makes_room(se
 
 
 async def test_of_those_that_wait_one_of_the_greediest_address_makes_room(serve: Serve):
-    class Entrant:
+    class ClientConnection:
         session = None
 
         def __init__(self, address: str) -> None:
@@ -307,21 +310,21 @@ async def test_of_those_that_wait_one_of_the_greediest_address_makes_room(serve:
 
         def limit_messages(self, max_bytes: int) -> None: ...
 
-    async with Door(serve, max_unauthenticated=3).open() as served:
+    async with AccessServer(serve, max_unauthenticated=3).open() as served:
         admission = served.server._admission
-        entrants = [Entrant(address) for address in ("a", "b", "b", "c")]
-        for entrant in entrants:
+        entrants = [ClientConnection(address) for address in ("a", "b", "b", "c")]
+        for connection in entrants:
             session = served.server.fronts.of(None).open(lambda: None, identity=None)
-            admission.enter(entrant, session, None, 0.0)
+            admission.enter(connection, session, None, 0.0)
             served.server._router.leave(session)
-        assert [entrant.codes for entrant in entrants] == [[], [1013], [], []]
-        for entrant in entrants:
-            admission.left(entrant, None)
+        assert [connection.codes for connection in entrants] == [[], [1013], [], []]
+        for connection in entrants:
+            admission.left(connection, None)
 
 
 async def test_lines_of_the_audit_log_have_the_client_as_all_lines_do(serve: Serve, caplog):
     caplog.set_level("INFO", "gateway.audit")
-    async with Door(serve).open() as served:
+    async with AccessServer(serve).open() as served:
         async with client(served.url) as speaker:
             await speaker.send(op="auth", token="r2g_wrong")  # noqa: S106
             await closing(speaker)
@@ -339,7 +342,7 @@ async def test_lines_of_the_audit_log_have_the_client_as_all_lines_do(serve: Ser
 
 async def test_a_full_gateway_also_refuses_clients_with_a_token(serve: Serve):
     async with (
-        Door(serve, limits={"max_clients": 1}).open() as served,
+        AccessServer(serve, limits={"max_clients": 1}).open() as served,
         client(served.url, additional_headers=bearer(VIEWERS)) as first,
     ):
         await first.sync()
@@ -352,8 +355,8 @@ async def test_a_full_gateway_also_refuses_clients_with_a_token(serve: Serve):
 
 
 async def test_each_wrong_token_is_refused_and_a_right_one_passes_all_the_same(serve: Serve):
-    door = Door(serve)
-    async with door.open() as served:
+    access_server = AccessServer(serve)
+    async with access_server.open() as served:
         codes = []
         for _ in range(12):
             async with client(served.url, additional_headers=bearer("wrong")) as speaker:
@@ -371,7 +374,7 @@ async def test_without_authentication_a_token_is_not_looked_at(serve: Serve):
 
 
 async def test_if_all_may_watch_a_token_gives_more_permissions(serve: Serve):
-    async with Door(serve, anonymous_role="viewer").open() as served:
+    async with AccessServer(serve, anonymous_role="viewer").open() as served:
         async with client(served.url) as speaker:
             assert await role_of(speaker) == "viewer"
             await speaker.send(op="auth", mac="x")  # of an old client
@@ -384,7 +387,7 @@ async def test_if_all_may_watch_a_token_gives_more_permissions(serve: Serve):
 
 async def test_a_client_that_has_signed_in_keeps_its_role(serve: Serve):
     async with (
-        Door(serve).open() as served,
+        AccessServer(serve).open() as served,
         client(served.url, additional_headers=bearer(VIEWERS)) as speaker,
     ):
         await speaker.send(op="auth", token=VIEWERS)
@@ -419,9 +422,9 @@ def changed(token: Token, **fields: Any) -> Token:
 async def test_a_reload_closes_those_whom_it_takes_or_gives_something(
     serve: Serve, tokens, policy, closed
 ):
-    door = Door(serve)
+    access_server = AccessServer(serve)
     async with (
-        door.open() as served,
+        access_server.open() as served,
         client(served.url, additional_headers=bearer(OPERATORS)) as operator,
         client(served.url, additional_headers=bearer(VIEWERS)) as viewer,
     ):
@@ -434,14 +437,14 @@ async def test_a_reload_closes_those_whom_it_takes_or_gives_something(
         else:
             assert await closing(operator) == closed
             await eventually(lambda: served.ros.entity_count() == 0)
-            assert [each["code"] for each in door.of("revoked")] == [closed[0]]
+            assert [each["code"] for each in access_server.of("revoked")] == [closed[0]]
         await viewer.sync()
         assert await role_of(viewer) == "viewer"
 
 
 async def test_everything_of_a_revoked_client_ends_before_its_closing_handshake(serve: Serve):
-    door = Door(serve, limits={"close_timeout_s": 2.0})
-    async with door.open() as served:
+    access_server = AccessServer(serve, limits={"close_timeout_s": 2.0})
+    async with access_server.open() as served:
         reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
         writer.write(upgrade("Host: localhost", f"Authorization: Bearer {OPERATORS}"))
         await reader.readuntil(b"\r\n\r\n")
@@ -459,7 +462,7 @@ async def test_everything_of_a_revoked_client_ends_before_its_closing_handshake(
 
 async def test_after_a_reload_a_new_token_is_valid_and_a_revoked_one_is_not(serve: Serve):
     text, token = make_token("new", "viewer", NOW)
-    async with Door(serve).open() as served:
+    async with AccessServer(serve).open() as served:
         served.server.reload(Tokens((token,)), Policy(AccessConfig()))
         async with client(served.url, additional_headers=bearer(text)) as speaker:
             assert await role_of(speaker) == "viewer"
@@ -468,8 +471,8 @@ async def test_after_a_reload_a_new_token_is_valid_and_a_revoked_one_is_not(serv
 
 
 async def test_a_flood_of_frames_before_the_token_leaves_nothing_behind(serve: Serve):
-    door = Door(serve, limits={"frames_per_s": 1000, "frame_burst": 1000})
-    async with door.open() as served:
+    access_server = AccessServer(serve, limits={"frames_per_s": 1000, "frame_burst": 1000})
+    async with access_server.open() as served:
         reader, writer = await handshake(served)
         frame = masked(Opcode.TEXT, b'{"op":"ping"}')
         with contextlib.suppress(ConnectionError):
@@ -485,14 +488,14 @@ async def test_a_flood_of_frames_before_the_token_leaves_nothing_behind(serve: S
 
 
 async def test_health_and_the_page_need_no_token(serve: Serve):
-    async with Door(serve).open() as served:
+    async with AccessServer(serve).open() as served:
         for path in (b"/", b"/healthz"):
             request = b"GET %b HTTP/1.1\r\nHost: localhost\r\n\r\n" % path
             assert await status_of(served, request) == 200
 
 
 async def test_a_foreign_page_is_refused_whatever_token_it_has(serve: Serve):
-    async with Door(serve).open() as served:
+    async with AccessServer(serve).open() as served:
         with pytest.raises(InvalidStatus) as caught:
             async with client(
                 served.url, additional_headers=bearer(OPERATORS), origin="http://evil.example"
@@ -502,7 +505,7 @@ async def test_a_foreign_page_is_refused_whatever_token_it_has(serve: Serve):
 
 
 async def test_a_connection_that_ends_while_it_waits_is_forgotten(serve: Serve):
-    async with Door(serve).open() as served:
+    async with AccessServer(serve).open() as served:
         with contextlib.suppress(ConnectionClosed):
             async with client(served.url):
                 await eventually(lambda: len(served.server._admission) == 1)

@@ -24,7 +24,7 @@ from gateway.transport import inbound as inbound_module
 from gateway.transport import time_budget as time_budget_module
 from gateway.transport import turns as turns_module
 from gateway.transport.connection import Connection
-from gateway.transport.end import End
+from gateway.transport.end import ConnectionEnd
 from gateway.transport.frame_reader import FrameReader
 from gateway.transport.front import ClientSession, Front, Fronts
 from gateway.transport.inbound import READ_COST_S
@@ -96,7 +96,7 @@ class Transport(asyncio.Transport):
         self.is_aborted = True
 
 
-class Acceptor:
+class ServerInterface:
     """The server that a connection comes to, which takes no note of it, and its front.
 
     Each operation takes *cost_s*.
@@ -129,7 +129,9 @@ class Acceptor:
             self.overtaken.append(data)
         self._front.receive(session, data)
 
-    def left(self, connection: Connection, session: RosbridgeSession | None, end: End) -> None:
+    def left(
+        self, connection: Connection, session: RosbridgeSession | None, end: ConnectionEnd
+    ) -> None:
         self._pass_time(self.leaving_cost_s)
         self._server.left(connection, session, end)
 
@@ -164,8 +166,8 @@ class Wire(Timers):
         monkeypatch.setattr(connection_module, "time", inbound_module.time)
         monkeypatch.setattr(inbound_module, "READ_COST_S", 0)
         self.transport = Transport()
-        self.acceptor = Acceptor(server, self.take)
-        self.connection = Connection(self.acceptor)
+        self.server = ServerInterface(server, self.take)
+        self.connection = Connection(self.server)
         self.connection.connection_made(self.transport)
         if not is_upgraded:
             return
@@ -207,7 +209,7 @@ class Wire(Timers):
         """The operations that were carried out, pings by their ids, in their order."""
         return [
             int(found[1]) if (found := re.match(rb'{"op":"ping","id":(\d+)', data)) else "other"
-            for data in self.acceptor.received
+            for data in self.server.received
         ]
 
     @property
@@ -326,7 +328,7 @@ def test_a_too_large_message_ends_it_with_a_reason_even_if_waiting_messages_cann
 
 
 def test_long_work_goes_on_in_later_turns_and_in_order(wire: Wire):
-    wire.acceptor.cost_s = 0.001
+    wire.server.cost_s = 0.001
     wire.receive(pings(*range(12)))
     assert wire.pongs == list(range(5))  # 4 ms, and one operation
     assert not wire.is_served
@@ -366,7 +368,7 @@ def test_a_large_message_is_carried_out_in_the_turn_after_the_one_in_which_it_is
 
 
 def test_only_the_input_behind_a_large_message_waits_for_the_budget(wire):
-    wire.acceptor.cost_s = 0.3  # of reading, while the burst is 0.25 s
+    wire.server.cost_s = 0.3  # of reading, while the burst is 0.25 s
     wire.receive(masked(Opcode.TEXT, padded_ping(8 * 1024 + 1)) + pings(1, 2))
     assert wire.pongs == []
     assert wire.next_turn() == 0
@@ -411,7 +413,7 @@ def test_no_more_than_4_kib_are_parsed_at_once(wire: Wire, monkeypatch: pytest.M
 
 def test_a_client_that_has_spent_a_quarter_of_a_second_is_read_for_a_quarter_of_the_time(wire):
     wire.now_s += 100  # which saves up nothing beyond the burst
-    wire.acceptor.cost_s = 0.24
+    wire.server.cost_s = 0.24
     wire.receive(pings(1))
     assert wire.is_served
     wire.receive(pings(2))
@@ -425,7 +427,7 @@ def test_a_client_that_has_spent_a_quarter_of_a_second_is_read_for_a_quarter_of_
 
 
 def test_waiting_input_is_handled_as_fast_as_its_budget_allows(wire: Wire):
-    wire.acceptor.cost_s = 0.3
+    wire.server.cost_s = 0.3
     wire.receive(pings(*range(4)))
     assert wire.pongs == [0]
     assert not wire.is_served
@@ -462,10 +464,10 @@ def test_beyond_the_budget_the_newest_message_of_a_topic_of_depth_1_replaces_the
 
 def test_a_client_without_budget_is_behind_until_it_has_more(wire: Wire):
     session = wire.connection.session
-    wire.acceptor.cost_s = 0.3
+    wire.server.cost_s = 0.3
     wire.receive(pings(1, 2))
     assert session.is_behind
-    wire.acceptor.cost_s = 0
+    wire.server.cost_s = 0
     wire.until_served()
     wire.receive(pings(3))
     assert not session.is_behind
@@ -479,10 +481,10 @@ def test_input_after_a_pause_may_be_as_old_as_the_pause(wire: Wire):
         wire.take(seconds)
         waited_s.append(session.waited_s())
 
-    wire.acceptor._pass_time = take
+    wire.server._pass_time = take
 
     def read(cost_s: float = 0.0) -> float:
-        wire.acceptor.cost_s = cost_s
+        wire.server.cost_s = cost_s
         wire.receive(pings(1))
         return waited_s[-1]
 
@@ -501,18 +503,18 @@ def test_input_after_a_pause_may_be_as_old_as_the_pause(wire: Wire):
 def test_input_up_to_three_turns_after_a_pause_may_have_waited(wire: Wire):
     session = wire.connection.session
     waited_s: list[float] = []
-    wire.acceptor._pass_time = lambda cost_s: (
+    wire.server._pass_time = lambda cost_s: (
         wire.take(cost_s),
         waited_s.append(session.waited_s()),
     )
     for turns in range(5):
-        wire.acceptor.cost_s = 0.3
+        wire.server.cost_s = 0.3
         wire.receive(pings(1))
         wire.until_served()
         # the reader may run behind us, and TLS takes a turn to go on and one to read
         for _ in range(turns):
             wire.next_turn()
-        wire.acceptor.cost_s = 0.0
+        wire.server.cost_s = 0.0
         wire.receive(pings(2))
         assert (waited_s[-1] > 0) == (turns < 4)
         wire.run(10)
@@ -520,10 +522,10 @@ def test_input_up_to_three_turns_after_a_pause_may_have_waited(wire: Wire):
 
 def test_a_full_buffer_may_have_more_behind_it(wire: Wire):
     session = wire.connection.session
-    wire.acceptor.cost_s = 0.3
+    wire.server.cost_s = 0.3
     wire.receive(pings(1))
     wire.until_served()
-    wire.acceptor.cost_s = 0.0
+    wire.server.cost_s = 0.0
     late_s = session.waited_s()
     for _ in range(10):
         wire.receive(masked(Opcode.TEXT, bytes(100_000))[: 16 * 1024])
@@ -564,8 +566,8 @@ def test_time_that_is_spent_elsewhere_is_paid_for_too(wire: Wire):
 
 
 def test_a_client_that_returns_has_only_the_time_of_its_address(wire, monkeypatch):
-    server = wire.acceptor._server
-    wire.acceptor.leaving_cost_s = 0.6  # closing what it had open took so long
+    server = wire.server._server
+    wire.server.leaving_cost_s = 0.6  # closing what it had open took so long
     wire.connection.connection_lost(None)
     again = Wire(server, monkeypatch)
     assert not again.is_served
@@ -574,7 +576,7 @@ def test_a_client_that_returns_has_only_the_time_of_its_address(wire, monkeypatc
 
 
 def test_a_client_that_has_left_is_not_served(wire: Wire):
-    wire.acceptor.cost_s = 0.3
+    wire.server.cost_s = 0.3
     wire.receive(pings(1, 2, 3))
     wire.connection.abort()
     while wire.handles:
@@ -591,16 +593,16 @@ STOP_IN_CBOR = b"\xa1\x62op\x64stop"
     "stop", [masked(Opcode.TEXT, STOP), masked(Opcode.BINARY, STOP_IN_CBOR)], ids=["JSON", "CBOR"]
 )
 def test_a_stop_is_carried_out_once_and_before_all_that_came_earlier(wire, cost_s, stop):
-    wire.acceptor.cost_s = cost_s
+    wire.server.cost_s = cost_s
     wire.receive(pings(*range(10)) + stop + pings(10, 11))
     assert wire.carried_out[:2] == ["other", 0]
     wire.until_served()
     assert wire.carried_out == ["other", *range(12)]
-    assert wire.acceptor.overtaken == wire.acceptor.received[1:11]
+    assert wire.server.overtaken == wire.server.received[1:11]
 
 
 def test_a_stop_does_not_wait_for_the_budget_of_its_client(wire: Wire):
-    wire.acceptor.cost_s = 0.3
+    wire.server.cost_s = 0.3
     wire.receive(pings(*range(3)))
     wire.receive(pings(3) + masked(Opcode.TEXT, STOP))
     assert wire.carried_out == [0, "other"]
@@ -608,7 +610,7 @@ def test_a_stop_does_not_wait_for_the_budget_of_its_client(wire: Wire):
     assert wire.carried_out == [0, "other", "other"]
     wire.until_served()
     assert wire.carried_out == [0, "other", "other", *range(1, 5)]
-    assert wire.acceptor.overtaken == wire.acceptor.received[3:6]
+    assert wire.server.overtaken == wire.server.received[3:6]
 
 
 @pytest.mark.parametrize(
@@ -623,18 +625,18 @@ def test_a_stop_does_not_wait_for_the_budget_of_its_client(wire: Wire):
     ],
 )
 def test_a_long_message_or_one_that_only_contains_the_word_waits_for_its_turn(wire, other):
-    wire.acceptor.cost_s = 0.005
+    wire.server.cost_s = 0.005
     wire.receive(pings(1, 2) + masked(Opcode.TEXT, other))
     assert wire.carried_out == [1]
     wire.until_served()
     assert wire.carried_out[:2] == [1, 2]
     assert len(wire.carried_out) == 3
-    assert wire.acceptor.overtaken == []
+    assert wire.server.overtaken == []
 
 
 def test_a_stop_before_authentication_waits_for_its_turn(wire: Wire):
     wire.connection.session.identity = None
-    wire.acceptor.cost_s = 0.005
+    wire.server.cost_s = 0.005
     wire.receive(pings(1, 2) + masked(Opcode.TEXT, STOP))
     wire.until_served()
     assert wire.carried_out == [1, 2, "other"]
@@ -655,9 +657,9 @@ def test_a_large_message_that_a_stop_has_overtaken_is_so_when_it_is_carried_out(
 
 @pytest.mark.parametrize(("size", "count"), [(20, 4096), (4000, 64)])
 def test_input_of_a_client_without_time_is_read_ahead_up_to_a_limit(wire, size, count):
-    wire.acceptor.cost_s = 0.3
+    wire.server.cost_s = 0.3
     wire.receive(pings(0, 1))
-    wire.acceptor.cost_s = 0.0
+    wire.server.cost_s = 0.0
     frame = masked(Opcode.TEXT, padded_ping(size)) if size > 1000 else pings(2)
     sent = 2
     while wire.transport.is_read:
@@ -668,7 +670,7 @@ def test_input_of_a_client_without_time_is_read_ahead_up_to_a_limit(wire, size, 
             wire.next_turn()
     assert sent == pytest.approx(count, rel=0.15)
     wire.until_served()
-    assert len(wire.acceptor.received) == sent
+    assert len(wire.server.received) == sent
 
 
 def test_the_driver_goes_first_and_the_greediest_client_last(wire: Wire):
@@ -684,9 +686,9 @@ def test_the_driver_goes_first_and_the_greediest_client_last(wire: Wire):
 
 def test_the_driver_waits_for_its_budget_and_not_for_others_of_its_address(wire: Wire):
     session = wire.connection.session
-    neighbour = wire.acceptor.budgets.open("127.0.0.1")
+    neighbour = wire.server.budgets.open("127.0.0.1")
     neighbour.spend(100, wire.now_s)
-    wire.acceptor.cost_s = 0.001
+    wire.server.cost_s = 0.001
     wire.receive(pings(1))
     wire.receive(pings(2))
     assert wire.pongs == [1]
@@ -699,7 +701,7 @@ def test_the_driver_waits_for_its_budget_and_not_for_others_of_its_address(wire:
     wire.run(0)
     wire.take(5)
     assert session.waited_s() >= 5
-    wire.acceptor.cost_s = 3
+    wire.server.cost_s = 3
     wire.receive(pings(5, 6))
     wire.run(0)
     assert wire.pongs == [1, 2, 3, 4, 5]
@@ -726,17 +728,17 @@ def leave(wire: Wire, how: str) -> None:
 @pytest.mark.parametrize("how", ["closed", "end", "close frame"])
 def test_only_publishes_of_a_client_that_left_without_time_are_carried_out(wire: Wire, how: str):
     wire.transport.tcp_state = 1
-    wire.acceptor.cost_s = 0.3
+    wire.server.cost_s = 0.3
     wire.receive(pings(1, 2) + publish(1) + pings(3))
     wire.pass_time(0.25)
-    wire.acceptor.cost_s = 0.001
+    wire.server.cost_s = 0.001
     leave(wire, how)
     if how == "closed":  # which is read on
         wire.receive(pings(4) + publish(2))
     while wire.connection._inbound:
         wire.next_turn()
     assert wire.carried_out == [1, "other", "other"][: 3 if how == "closed" else 2]
-    assert wire.acceptor.overtaken == wire.acceptor.received[1:]
+    assert wire.server.overtaken == wire.server.received[1:]
     assert wire.transport.is_aborted == (how == "end")
 
 
@@ -744,19 +746,19 @@ def test_a_publish_in_fragments_that_a_client_leaves_is_carried_out(wire: Wire):
     first, last = b'{"op":"publish","topic":"/log",', b'"type":"std_msgs/String"}'
     fragment = b'{"op":"fragment","id":"f","num":1,"total":2,"data":"}"}'
     wire.transport.tcp_state = 1
-    wire.acceptor.cost_s = 0.3
+    wire.server.cost_s = 0.3
     wire.receive(pings(1, 2))
     wire.receive(masked(Opcode.TEXT, first, fin=False) + masked(Opcode.CONT, last) + pings(3))
     wire.receive(masked(Opcode.TEXT, fragment))
-    wire.acceptor.cost_s = 0.001
+    wire.server.cost_s = 0.001
     leave(wire, "closed")
     while wire.connection._inbound:
         wire.next_turn()
-    assert wire.acceptor.received[1:] == [first + last, fragment]
+    assert wire.server.received[1:] == [first + last, fragment]
 
 
 def test_the_rest_of_a_client_is_carried_out_for_a_second_at_most(wire: Wire):
-    wire.acceptor.cost_s = 0.3
+    wire.server.cost_s = 0.3
     wire.receive(pings(1) + b"".join(map(publish, range(50))))
     wire.transport.tcp_state = 8
     wire.pass_time(0.25)
@@ -764,11 +766,11 @@ def test_the_rest_of_a_client_is_carried_out_for_a_second_at_most(wire: Wire):
     assert not wire.transport.is_aborted
     wire.pass_time(0.02)
     assert wire.transport.is_aborted
-    assert len(wire.acceptor.received) < 5
+    assert len(wire.server.received) < 5
 
 
 def test_all_that_a_client_has_sent_in_time_is_carried_out_before_its_end(wire: Wire):
-    wire.acceptor.cost_s = 0.005
+    wire.server.cost_s = 0.005
     wire.receive(pings(*range(10)))
     assert wire.connection.eof_received()
     assert not wire.transport.is_aborted
@@ -781,7 +783,7 @@ def test_all_that_a_client_has_sent_in_time_is_carried_out_before_its_end(wire: 
 @pytest.mark.parametrize("is_closing", [False, True])
 def test_a_client_of_which_nothing_is_left_to_do_ends_at_once(wire: Wire, *, is_closing: bool):
     if is_closing:
-        wire.acceptor.cost_s = 0.3
+        wire.server.cost_s = 0.3
         wire.receive(pings(1, 2))
         wire.connection.close(1001, "shutting down")
     assert not wire.connection.eof_received()
@@ -789,16 +791,16 @@ def test_a_client_of_which_nothing_is_left_to_do_ends_at_once(wire: Wire, *, is_
 
 @pytest.mark.parametrize(("cost_s", "count"), [(0.001, 9), (0.011, 2)])
 def test_the_rest_of_a_lost_client_is_carried_out_for_20_ms(wire: Wire, cost_s: float, count: int):
-    wire.acceptor.cost_s = 0.005
+    wire.server.cost_s = 0.005
     wire.receive(b"".join(map(publish, range(10))))
-    assert len(wire.acceptor.received) == 1
-    wire.acceptor.cost_s = cost_s
+    assert len(wire.server.received) == 1
+    wire.server.cost_s = cost_s
     wire.connection.connection_lost(None)
-    assert len(wire.acceptor.received) == 1 + count
+    assert len(wire.server.received) == 1 + count
 
 
 def test_the_input_of_a_lost_client_is_not_carried_out_later(wire: Wire):
-    wire.acceptor.cost_s = 0.3
+    wire.server.cost_s = 0.3
     wire.receive(pings(1, 2, 3))
     wire.connection.connection_lost(None)
     while wire.handles:
@@ -807,16 +809,16 @@ def test_the_input_of_a_lost_client_is_not_carried_out_later(wire: Wire):
 
 
 def test_messages_in_one_packet_with_a_close_are_carried_out_before_it_is_answered(wire: Wire):
-    wire.acceptor.cost_s = 0.02
+    wire.server.cost_s = 0.02
     wire.receive(pings(*range(10)) + masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))
     while not wire.transport.unsent.endswith(bytes((0x80 | Opcode.CLOSE, 2)) + b"\x03\xe8"):
         wire.connection.tick(wire.now_s)
         wire.next_turn()
-    assert len(wire.acceptor.received) == 10
+    assert len(wire.server.received) == 10
 
 
 def test_input_that_waits_when_the_gateway_closes_is_not_carried_out(wire: Wire):
-    wire.acceptor.cost_s = 0.1
+    wire.server.cost_s = 0.1
     wire.receive(pings(*range(5)))
     wire.connection.close(1001, "shutting down")
     while wire.handles:
@@ -827,7 +829,7 @@ def test_input_that_waits_when_the_gateway_closes_is_not_carried_out(wire: Wire)
 
 
 def test_pings_are_answered_in_their_turn_and_so_are_those_behind_a_slice(wire: Wire):
-    wire.acceptor.cost_s = 0.01
+    wire.server.cost_s = 0.01
     wire.receive(pings(1, 2) + masked(Opcode.PING, b"hello"))
     wire.until_served()
     assert wire.pongs == [1, 2]

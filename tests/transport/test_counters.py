@@ -2,11 +2,11 @@
 import pytest
 
 from gateway.transport.counters import ServerCounters
-from gateway.transport.end import By, End, Reason, Why
+from gateway.transport.end import By, ConnectionEnd, EndCause, Reason
 
 
-def end(by: By, reason: Reason, code: int | None = None) -> End:
-    return End("10.0.0.1#1", Why(by, reason, "", code), 1.0, 0)
+def end(by: By, reason: Reason, code: int | None = None) -> ConnectionEnd:
+    return ConnectionEnd("10.0.0.1#1", EndCause(by, reason, "", code), 1.0, 0)
 
 
 def test_the_largest_lag_is_that_of_the_last_forty_looks():
@@ -30,7 +30,9 @@ def test_the_largest_lag_is_that_of_the_last_forty_looks():
         (end("network", "lost"), ("network", "lost", "")),
     ],
 )
-def test_ends_are_counted_by_whom_reason_and_code(ended: End, labels: tuple[str, str, str]):
+def test_ends_are_counted_by_whom_reason_and_code(
+    ended: ConnectionEnd, labels: tuple[str, str, str]
+):
     counters = ServerCounters()
     counters.ended(ended, was_client=True)
     assert counters.ends == {labels: 1}
@@ -51,7 +53,7 @@ def test_ends_are_counted_by_whom_reason_and_code(ended: End, labels: tuple[str,
         (end("client", "handshake"), "none"),
     ],
 )
-def test_a_refused_connection_is_counted_by_its_reason(ended: End, reason: str):
+def test_a_refused_connection_is_counted_by_its_reason(ended: ConnectionEnd, reason: str):
     counters = ServerCounters()
     counters.ended(ended, was_client=False)
     assert counters.handshakes_refused == {reason: 1}

@@ -16,7 +16,7 @@ from websockets.frames import Opcode
 from gateway.core.router import Router
 from gateway.transport.close_codes import GOING_AWAY, INTERNAL_ERROR, POLICY_VIOLATION
 from gateway.transport.connection import Connection
-from gateway.transport.end import Why
+from gateway.transport.end import EndCause
 from tests.client import TIMEOUT_S, client, eventually
 from tests.transport.conftest import Serve, Served
 from tests.transport.test_server import closing, handshake, masked, upgrade
@@ -280,7 +280,7 @@ async def test_the_first_cause_counts(serve: Serve, caplog):
         (connection,) = served.server._connections
         connection.close(POLICY_VIOLATION, "enough")
         connection.close(INTERNAL_ERROR, "internal error")
-        connection.abort(Why("gateway", "send_timeout", "it accepted nothing"))
+        connection.abort(EndCause("gateway", "send_timeout", "it accepted nothing"))
         await eventually(lambda: bool(ends(caplog)))
         writer.close()
     (record,) = ends(caplog)

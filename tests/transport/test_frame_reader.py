@@ -15,7 +15,7 @@ from websockets.server import ServerProtocol
 
 from gateway.transport.frame_reader import FrameReader
 from gateway.transport.http import new_protocol
-from gateway.transport.inbound import PIECE_BYTES
+from gateway.transport.inbound import CHUNK_BYTES
 
 REQUEST = (
     b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
@@ -185,6 +185,6 @@ def test_after_a_length_in_more_bytes_than_it_needs_the_next_is_not_left_to_it_e
 def test_only_frames_that_a_piece_cuts_are_left_to_websockets(counted: Counted, size: int):
     message = frame(0x81, digits(size))
     backlog = message * 1000
-    for start in range(0, len(backlog), PIECE_BYTES):
-        given = counted.passed_on(backlog[start : start + PIECE_BYTES])
+    for start in range(0, len(backlog), CHUNK_BYTES):
+        given = counted.passed_on(backlog[start : start + CHUNK_BYTES])
         assert sum(map(len, given)) < 2 * len(message)

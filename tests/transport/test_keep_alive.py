@@ -6,13 +6,13 @@ import pytest
 from gateway.config.limits import Limits
 from gateway.core.outbox import Outbox
 from gateway.transport.close_codes import SLOW_CONSUMER
-from gateway.transport.end import Why
+from gateway.transport.end import EndCause
 from gateway.transport.keep_alive import PING, Close, KeepAlive, Verdict
 from gateway.transport.link import Reading
 
 LIMITS = Limits(ping_interval_s=5, slow_consumer_s=5, send_queue_bytes=100_000)
-DEAD_LINK = Why("network", "lost", "nothing acknowledged for 10 s")
-TOOK_NOTHING = Why("gateway", "send_timeout", "it accepted nothing for 30 s")
+DEAD_LINK = EndCause("network", "lost", "nothing acknowledged for 10 s")
+TOOK_NOTHING = EndCause("gateway", "send_timeout", "it accepted nothing for 30 s")
 HOUR_S = 3600
 
 

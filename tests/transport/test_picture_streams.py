@@ -24,7 +24,7 @@ from gateway.transport.server import MAX_HANDSHAKES
 from tests.client import TIMEOUT_S, client, eventually
 from tests.sources.fake import FakePublisher
 from tests.transport.conftest import Serve, Served
-from tests.transport.test_admission import OPERATOR, OPERATORS, VIEWERS, Door, bearer
+from tests.transport.test_admission import OPERATOR, OPERATORS, VIEWERS, AccessServer, bearer
 from tests.transport.test_server import status_of
 
 IMAGE = "sensor_msgs/msg/Image"
@@ -396,7 +396,7 @@ async def test_head_tells_the_type_and_opens_nothing(serve: Serve):
 
 async def test_a_token_is_needed_where_clients_need_one_and_its_role_decides(serve: Serve):
     hidden = ViewerConfig(deny_subscribe=("/secret/**",))
-    async with Door(serve, viewer=hidden).open() as served:
+    async with AccessServer(serve, viewer=hidden).open() as served:
         path = "/snapshot?topic=/secret/image"
         absent = await answer(served, path, **bearer(VIEWERS))
         camera(served, "/secret/image")
@@ -412,8 +412,8 @@ async def test_a_token_is_needed_where_clients_need_one_and_its_role_decides(ser
 
 
 async def test_a_stream_ends_with_the_token_that_it_was_asked_for_with(serve: Serve):
-    door = Door(serve)
-    async with door.open() as served:
+    access_server = AccessServer(serve)
+    async with access_server.open() as served:
         publisher = camera(served)
         path = f"/stream?topic={CAMERA}"
         async with (
@@ -421,7 +421,7 @@ async def test_a_stream_ends_with_the_token_that_it_was_asked_for_with(serve: Se
             view(served, path, **bearer(OPERATORS)) as other,
         ):
             await eventually(lambda: viewers(served) == 2)
-            served.server.reload(Tokens((OPERATOR,)), Policy(door.config))
+            served.server.reload(Tokens((OPERATOR,)), Policy(access_server.config))
             assert await revoked.rest() == b""
             await eventually(lambda: viewers(served) == 1)
             publisher.publish(grey(served))

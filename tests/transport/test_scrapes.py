@@ -21,7 +21,7 @@ from gateway.transport.scrapes import Scrapes
 from tests.client import TIMEOUT_S, client, eventually
 from tests.metrics.states import state
 from tests.transport.conftest import Serve, Served
-from tests.transport.test_admission import OPERATORS, VIEWERS, Door, bearer
+from tests.transport.test_admission import OPERATORS, VIEWERS, AccessServer, bearer
 from tests.transport.test_server import handshake, masked, status_of
 
 STRING = "std_msgs/msg/String"
@@ -256,7 +256,7 @@ async def test_a_client_that_always_asks_for_new_names_leaves_no_series(serve: S
 
 async def test_without_a_token_where_one_is_needed_nothing_is_told(serve: Serve):
     async with (
-        Door(serve).open() as served,
+        AccessServer(serve).open() as served,
         client(served.url, additional_headers=bearer(OPERATORS)) as one,
     ):
         await one.send(op="subscribe", topic="/secret", type=STRING)
@@ -276,7 +276,7 @@ async def test_without_a_token_where_one_is_needed_nothing_is_told(serve: Serve)
 async def test_topics_hidden_from_a_role_are_not_in_its_metrics(serve: Serve):
     hidden = ViewerConfig(deny_subscribe=("/secret/**",))
     async with (
-        Door(serve, viewer=hidden).open() as served,
+        AccessServer(serve, viewer=hidden).open() as served,
         client(served.url, additional_headers=bearer(OPERATORS)) as one,
     ):
         await one.send(op="subscribe", topic="/secret/plan", type=STRING)
@@ -474,7 +474,7 @@ async def test_a_page_that_the_shutdown_prevents_is_counted_so(serve, monkeypatc
 
 async def test_head_writes_no_page_and_needs_a_token_as_well(serve, monkeypatch):
     monkeypatch.setattr(scrapes_module, "pieces", None)
-    async with Door(serve).open() as served:
+    async with AccessServer(serve).open() as served:
         assert (await asyncio.to_thread(fetch, served, "HEAD"))[0] == 401
         found = await asyncio.to_thread(fetch, served, "HEAD", **bearer(VIEWERS))
     status, headers, text = found

@@ -16,15 +16,15 @@ from gateway.core.topics.encoding import Encoding
 from gateway.errors import BindError
 from gateway.sources.source import Qos
 from gateway.transport import inbound
-from gateway.transport.end import End, Why
-from gateway.transport.server import TICK_S, Door
+from gateway.transport.end import ConnectionEnd, EndCause
+from gateway.transport.server import TICK_S, ListenPort
 from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.transport.conftest import Serve, Served
 
 STRING = "std_msgs/msg/String"
 FULL = "over capacity: at most 2 clients (limits.max_clients)"
 FULL_ADDRESS = "over capacity: 1 clients of one address (limits.max_clients_per_address)"
-END = End("10.0.0.1#1", Why("network", "lost", "no closing handshake"), 1.0, 0)
+END = ConnectionEnd("10.0.0.1#1", EndCause("network", "lost", "no closing handshake"), 1.0, 0)
 
 
 async def closing(speaker: Client) -> tuple[int, str]:
@@ -196,8 +196,8 @@ class Newcomer:
     def is_half_open(self) -> bool:
         return not self.is_leaving
 
-    def abort(self, why: Why) -> None:
-        assert why.text == "no handshake, and 64 others wait"
+    def abort(self, cause: EndCause) -> None:
+        assert cause.text == "no handshake, and 64 others wait"
         self.is_leaving = True
 
     def tick(self, now_s: float) -> None: ...
@@ -219,7 +219,7 @@ async def test_of_more_than_64_handshakes_the_oldest_of_the_greediest_address_is
             served.server.left(each, None, END)
 
 
-async def test_of_more_than_64_that_were_turned_away_the_oldest_is_cut_off(serve: Serve):
+async def test_of_more_than_64_that_were_rejected_the_oldest_is_cut_off(serve: Serve):
     async with serve() as served:
         leaving = [Newcomer("10.0.0.1", is_leaving=True) for _ in range(65)]
         cut_off: list[Newcomer] = []
@@ -557,10 +557,10 @@ async def test_all_addresses_but_the_first_may_be_taken(serve: Serve, caplog):
             other.listen()
             port = other.getsockname()[1]
             hosts = ["127.0.0.3", "127.0.0.2", "192.0.2.1"]
-            async with served.server.listening(hosts, Door(port)) as (addresses,):
+            async with served.server.listening(hosts, ListenPort(port)) as (addresses,):
                 assert addresses == [("127.0.0.3", port)]
             with pytest.raises(BindError, match=r"127\.0\.0\.2"):
-                async with served.server.listening(["127.0.0.2", "127.0.0.3"], Door(port)):
+                async with served.server.listening(["127.0.0.2", "127.0.0.3"], ListenPort(port)):
                     pass
     lines = [record.message for record in caplog.records if "not listening" in record.message]
     assert [line.partition(":")[0] for line in lines] == ["not listening on 127.0.0.2"]

@@ -19,7 +19,7 @@ from gateway.errors import BindError
 from gateway.log_rate import BURST, LogRate
 from gateway.transport.connection import Connection
 from gateway.transport.scrapes import Scrapes
-from gateway.transport.server import TICK_S, Door
+from gateway.transport.server import TICK_S, ListenPort
 from tests.client import TIMEOUT_S, client, eventually
 from tests.transport.conftest import Serve, Served
 from tests.transport.test_server import closing, masked, upgrade
@@ -221,7 +221,10 @@ def lines(caplog) -> list[str]:
 async def test_a_second_port_with_tls_shares_clients_and_their_limits(serve: Serve, tls, trusting):
     async with (
         serve({"max_clients": 2}) as served,
-        served.server.listening(["127.0.0.1"], Door(0), Door(0, tls)) as (plain, encrypted),
+        served.server.listening(["127.0.0.1"], ListenPort(0), ListenPort(0, tls)) as (
+            plain,
+            encrypted,
+        ),
     ):
         (_, port), (_, tls_port) = plain[0], encrypted[0]
         secure = f"wss://localhost:{tls_port}/"
@@ -240,7 +243,10 @@ async def test_a_second_port_with_tls_shares_clients_and_their_limits(serve: Ser
 async def test_the_text_for_people_names_the_scheme_of_its_port(serve: Serve, tls, trusting):
     async with (
         serve() as served,
-        served.server.listening(["127.0.0.1"], Door(0), Door(0, tls)) as (plain, encrypted),
+        served.server.listening(["127.0.0.1"], ListenPort(0), ListenPort(0, tls)) as (
+            plain,
+            encrypted,
+        ),
     ):
         for (_, port), context, scheme in (
             (plain[0], None, b"ws"),
@@ -261,7 +267,9 @@ async def test_when_one_port_is_taken_the_other_is_closed_again(serve: Serve, tl
             (_, port), (_, taken) = free.getsockname(), other.getsockname()
             free.close()
             with pytest.raises(BindError, match=f"127.0.0.1:{taken}, "):
-                async with served.server.listening(["127.0.0.1"], Door(port), Door(taken, tls)):
+                async with served.server.listening(
+                    ["127.0.0.1"], ListenPort(port), ListenPort(taken, tls)
+                ):
                     pass
         with pytest.raises(ConnectionRefusedError):
             await asyncio.open_connection("127.0.0.1", port)

@@ -8,15 +8,15 @@ from gateway.codec.cdr.decoder import compile_for
 from gateway.codec.cdr.layout import Cdr
 from gateway.codec.cdr.target import Octets, SlicedValues, Values
 from gateway.codec.cdr.to_cbor import Cbor, SlicedCbor
+from gateway.codec.chunks import Chunk
 from gateway.codec.json_slices import Write
-from gateway.codec.pieces import Piece
 from schemas.definition import Definition
 from schemas.installed import InstalledDefinitions
 
 Decoder: TypeAlias = Callable[[Cdr], dict[str, object]]
 Transcoder: TypeAlias = Callable[[Cdr], bytes]
 SlicedDecoder: TypeAlias = Callable[[Cdr, Write], Generator[bytes, None, dict[str, object]]]
-SlicedTranscoder: TypeAlias = Callable[[Cdr], Generator[bytes, None, Sequence[Piece]]]
+SlicedTranscoder: TypeAlias = Callable[[Cdr], Generator[bytes, None, Sequence[Chunk]]]
 
 
 def compile_decoder(

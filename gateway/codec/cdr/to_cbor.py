@@ -29,7 +29,7 @@ _NUMBERS: Final = PRIMITIVES - STRINGS
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class SourcePart:
     """A part of the item: a constant, a number of fixed size, or source that makes bytes."""
 
     content: bytes | str
@@ -41,7 +41,7 @@ class Piece:
         return isinstance(self.content, bytes) or bool(self.code)
 
 
-Pieces: TypeAlias = tuple[Piece, ...]
+SourceParts: TypeAlias = tuple[SourcePart, ...]
 
 
 class Cbor:
@@ -80,7 +80,7 @@ class Cbor:
         # a view costs as much as a copy of some hundred bytes
         return "data[offset:end]" if member.length is not None else "memoryview(data)[offset:end]"
 
-    def value(self, kind: FieldType, name: str) -> Pieces:
+    def value(self, kind: FieldType, name: str) -> SourceParts:
         """Make the item of one field."""
         if not kind.is_array:
             return _text(name) if kind.base in STRINGS else _number(kind.base, name)
@@ -88,26 +88,26 @@ class Cbor:
             return _counted(cbor.OCTETS, kind, name)
         if kind.base in FLOATS or kind.base in INTEGER_RANGES:
             size = np.dtype(CODES[kind.base]).itemsize
-            tag = Piece(cbor.TYPED_ARRAYS[kind.base])
+            tag = SourcePart(cbor.TYPED_ARRAYS[kind.base])
             return (tag, *_counted(cbor.OCTETS, kind, name, size))
         if kind.base == "bool":
             return _counted(cbor.ARRAY, kind, name)
-        count = Piece(f"head({cbor.ARRAY}, len({name}))")
-        return (count, Piece(f'b"".join({name})'))
+        count = SourcePart(f"head({cbor.ARRAY}, len({name}))")
+        return (count, SourcePart(f'b"".join({name})'))
 
-    def message(self, members: Sequence[tuple[str, Pieces]]) -> Pieces:
+    def message(self, members: Sequence[tuple[str, SourceParts]]) -> SourceParts:
         """Make a map."""
-        pieces = [Piece(cbor.head(cbor.MAP, len(members)))]
+        pieces = [SourcePart(cbor.head(cbor.MAP, len(members)))]
         for name, value in members:
-            pieces += (Piece(cbor.text(name)), *value)
+            pieces += (SourcePart(cbor.text(name)), *value)
         return tuple(pieces)
 
-    def expression(self, value: Pieces, source: SourceCode) -> str:
+    def expression(self, value: SourceParts, source: SourceCode) -> str:
         """Join the pieces, neighbours of fixed size in one."""
         parts = _parts(value, source)
         return parts[0] if len(parts) == 1 else f'b"".join(({", ".join(parts)}))'
 
-    def result(self, value: Pieces, source: SourceCode) -> str:
+    def result(self, value: SourceParts, source: SourceCode) -> str:
         """Join the pieces of the message as well."""
         return self.expression(value, source)
 
@@ -122,18 +122,18 @@ class SlicedCbor(Cbor):
         "CborElements": CborElements,
     }
 
-    def value(self, kind: FieldType, name: str) -> Pieces:
+    def value(self, kind: FieldType, name: str) -> SourceParts:
         """Make the item of one field. One of many elements stays in pieces."""
         if kind.is_array and kind.base not in _NUMBERS:
-            return (Piece(f"head({cbor.ARRAY}, {name}.count)"), Piece(f"*{name}.parts"))
+            return (SourcePart(f"head({cbor.ARRAY}, {name}.count)"), SourcePart(f"*{name}.parts"))
         return super().value(kind, name)
 
-    def result(self, value: Pieces, source: SourceCode) -> str:
+    def result(self, value: SourceParts, source: SourceCode) -> str:
         """Return a tuple: neighbours of fixed size are one piece, each array is one."""
         return f"({', '.join(_parts(value, source))},)"
 
 
-def _parts(pieces: Pieces, source: SourceCode) -> list[str]:
+def _parts(pieces: SourceParts, source: SourceCode) -> list[str]:
     parts = []
     for is_fixed, group in groupby(pieces, key=lambda piece: piece.is_fixed):
         if is_fixed:
@@ -143,31 +143,31 @@ def _parts(pieces: Pieces, source: SourceCode) -> list[str]:
     return parts
 
 
-def _text(name: str) -> Pieces:
-    return (Piece(f"text({name})"),)
+def _text(name: str) -> SourceParts:
+    return (SourcePart(f"text({name})"),)
 
 
-def _number(base: str, name: str) -> Pieces:
+def _number(base: str, name: str) -> SourceParts:
     if base in FLOATS:
-        return (Piece(cbor.FLOAT64), Piece(name, "d"))
+        return (SourcePart(cbor.FLOAT64), SourcePart(name, "d"))
     if base == "bool":
-        return (Piece(f"{cbor.FALSE} + {name}", "B"),)
+        return (SourcePart(f"{cbor.FALSE} + {name}", "B"),)
     code = CODES[base]
     width = {"b": 24, "h": 25, "i": 26, "q": 27}[code.lower()]
     if code.isupper():
-        return (Piece(bytes((cbor.UNSIGNED | width,))), Piece(name, code))
+        return (SourcePart(bytes((cbor.UNSIGNED | width,))), SourcePart(name, code))
     # a negative number is written as its complement. >> 63 is 0 or -1
-    kind = Piece(f"{width} | {name} >> 63 & {cbor.NEGATIVE}", "B")
-    return (kind, Piece(f"{name} ^ {name} >> 63", code.upper()))
+    kind = SourcePart(f"{width} | {name} >> 63 & {cbor.NEGATIVE}", "B")
+    return (kind, SourcePart(f"{name} ^ {name} >> 63", code.upper()))
 
 
-def _counted(major: int, kind: FieldType, name: str, size: int = 1) -> Pieces:
+def _counted(major: int, kind: FieldType, name: str, size: int = 1) -> SourceParts:
     if kind.length is not None:
-        return (Piece(cbor.head(major, kind.length * size)), Piece(name))
-    return (Piece(f"head({major}, len({name}))"), Piece(name))
+        return (SourcePart(cbor.head(major, kind.length * size)), SourcePart(name))
+    return (SourcePart(f"head({major}, len({name}))"), SourcePart(name))
 
 
-def _packed(pieces: Iterable[Piece], source: SourceCode) -> str:
+def _packed(pieces: Iterable[SourcePart], source: SourceCode) -> str:
     """Write pieces of fixed size at once, adjacent constants as one."""
     form = ">"
     values: list[str] = []

@@ -3,7 +3,7 @@
 
 from collections.abc import Hashable
 
-from gateway.access.audit import Audit, Fact
+from gateway.access.audit import Audit, AuditValue
 from gateway.core.names import TopicName
 from gateway.core.session import Session
 
@@ -23,10 +23,10 @@ class DriveAudit:
             if holder is not None:
                 self.record("control_taken", holder)
 
-    def record(self, event: str, client: Hashable | None, **facts: Fact) -> None:
+    def record(self, event: str, client: Hashable | None, **values: AuditValue) -> None:
         """Record an event, and whom it concerns."""
         name = client.client if isinstance(client, Session) else None
         if isinstance(client, Session) and client.identity is not None:
-            facts |= {"name": client.identity.name, "role": client.identity.role}
-            facts["address"] = client.address
-        self._audit.record(event, client=name, topic=self._topic, **facts)
+            values |= {"name": client.identity.name, "role": client.identity.role}
+            values["address"] = client.address
+        self._audit.record(event, client=name, topic=self._topic, **values)

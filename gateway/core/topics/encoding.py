@@ -14,12 +14,12 @@ from typing import Final
 
 from gateway.codec import cbor
 from gateway.codec.cdr import Cdr
+from gateway.codec.chunks import Chunk, Chunks
 from gateway.codec.errors import CodecError
 from gateway.codec.grid_picture import GRID, cbor_grid_renderer, grid_renderer
 from gateway.codec.json_slices import json_slices
 from gateway.codec.nonfinite import writer
 from gateway.codec.picture import cbor_picture_renderer, picture_renderer
-from gateway.codec.pieces import Piece, Pieces
 from gateway.codec.png import large_text_as_png, text_as_png
 from gateway.codec.types import MessageType
 from gateway.core.entries import NOT_READY, NOTHING, Frame, NoFrame
@@ -170,7 +170,7 @@ class SharedFrame:
         self.seq = seq
         self.size = len(sample.cdr)
         self._message: Frame = NOT_READY
-        self._frame: bytes | Pieces | None = None
+        self._frame: bytes | Chunks | None = None
 
     @property
     def is_being_encoded(self) -> bool:
@@ -184,8 +184,8 @@ class SharedFrame:
             if isinstance(message, bytes):
                 self._frame = self.encoding.frames.shared(message)
                 self._message = NOT_READY
-            elif isinstance(message, Pieces):
-                self._frame = self.encoding.frames.shared_pieces(message)
+            elif isinstance(message, Chunks):
+                self._frame = self.encoding.frames.shared_chunks(message)
             else:
                 return message
         return self._frame
@@ -247,8 +247,8 @@ class PerClientFrame:
         own = PerClient(
             shared.seq, meta, options.fragment_size, subscription.session.reads_ascii_only
         )
-        if isinstance(message, Pieces):
-            return shared.encoding.frames.per_client_pieces(message, own)
+        if isinstance(message, Chunks):
+            return shared.encoding.frames.per_client_chunks(message, own)
         return shared.encoding.frames.per_client(message, own)
 
 
@@ -314,7 +314,7 @@ def _to_json(message_type: MessageType, key: EncodingKey) -> Encode:
 def _to_json_slices(message_type: MessageType, key: EncodingKey) -> EncodeInSlices:
     write = writer(key.nonfinite)
 
-    def encode(cdr: Cdr) -> Iterator[Piece]:
+    def encode(cdr: Cdr) -> Iterator[Chunk]:
         # compiled when the first large sample has come
         value = yield from message_type.sliced_decoder(key.fields)(cdr, write)
         yield from json_slices(value, write)
@@ -331,7 +331,7 @@ def _to_cbor(message_type: MessageType, key: EncodingKey) -> Encode:
 
 
 def _to_cbor_slices(message_type: MessageType, key: EncodingKey) -> EncodeInSlices:
-    def encode(cdr: Cdr) -> Iterator[Piece]:
+    def encode(cdr: Cdr) -> Iterator[Chunk]:
         yield from (yield from message_type.sliced_transcoder(key.fields)(cdr))
 
     return encode

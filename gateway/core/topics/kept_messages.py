@@ -4,7 +4,7 @@
 from collections import OrderedDict
 from typing import Final
 
-from gateway.codec.pieces import Pieces
+from gateway.codec.chunks import Chunks
 from gateway.sources.source import Origin
 
 # Of all topics: two maps of 4000 x 4000 cells in JSON, or one of a cell for each 5 cm of 300 m.
@@ -15,7 +15,7 @@ class KeptMessages:
     """The newest large message of each encoding, within one budget. The oldest goes first."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[object, tuple[Origin, Pieces]] = OrderedDict()
+        self._kept: OrderedDict[object, tuple[Origin, Chunks]] = OrderedDict()
         self._size = 0
 
     @property
@@ -23,7 +23,7 @@ class KeptMessages:
         """The bytes that are kept."""
         return self._size
 
-    def keep(self, encoding: object, origin: Origin, message: Pieces) -> None:
+    def keep(self, encoding: object, origin: Origin, message: Chunks) -> None:
         """Keep a message in place of the one that this encoding had."""
         self.forget(encoding)
         if len(message) > MAX_KEPT_BYTES or not origin[0]:
@@ -33,7 +33,7 @@ class KeptMessages:
         while self._size > MAX_KEPT_BYTES:
             self.forget(next(iter(self._kept)))
 
-    def find(self, encoding: object, origin: Origin) -> Pieces | None:
+    def find(self, encoding: object, origin: Origin) -> Chunks | None:
         """Return the message of a sample, if it is kept in this encoding."""
         known, message = self._kept.get(encoding, (None, None))
         return message if known == origin else None

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from typing import Final, Protocol, TypeAlias
 
 from gateway.codec.cdr import Cdr
+from gateway.codec.chunks import Chunk, Chunks
 from gateway.codec.errors import CodecError
-from gateway.codec.pieces import Piece, Pieces
 from gateway.core.entries import NOT_READY, NOTHING, Frame
 from gateway.core.topics.kept_messages import KeptMessages
 from gateway.core.topics.slices import Slices
@@ -26,9 +26,9 @@ LARGE_SAMPLE_BYTES: Final = 256 * 1024
 # The same for types with arrays of messages or texts: 400 poses, which take 2 ms or more.
 LARGE_ELEMENTS_BYTES: Final = 32 * 1024
 # Smaller pieces are joined: to write thousands takes longer than copying them.
-PIECE_BYTES: Final = 64 * 1024
+CHUNK_BYTES: Final = 64 * 1024
 
-EncodeInSlices: TypeAlias = Callable[[Cdr], Iterator[Piece]]
+EncodeInSlices: TypeAlias = Callable[[Cdr], Iterator[Chunk]]
 """From CDR to the pieces of a message, a slice of the work for each, some empty.
 
 It raises `CodecError`.
@@ -118,7 +118,7 @@ class LargeSamples:
         if shared is not None:
             origin = shared.sample.origin
             message = self._message(job)
-            if isinstance(message, Pieces) and self._topic.is_latched() and not self._is_closed:
+            if isinstance(message, Chunks) and self._topic.is_latched() and not self._is_closed:
                 self._kept.keep(self, origin, message)
             shared.supply(message)
         self._topic.on_ready()
@@ -126,7 +126,7 @@ class LargeSamples:
     def _message(self, job: "_Job") -> Frame:
         match job.error:
             case None:
-                return Pieces.of(job.parts)
+                return Chunks.of(job.parts)
             case CodecError():
                 self._on_error(job.error)
             case _:
@@ -139,15 +139,15 @@ class _Job:
     """One sample that is being encoded."""
 
     def __init__(
-        self, shared: LargeSample, made: Iterator[Piece], on_end: Callable[["_Job"], None]
+        self, shared: LargeSample, made: Iterator[Chunk], on_end: Callable[["_Job"], None]
     ) -> None:
         self.shared = weakref.ref(shared)
-        self.parts: list[Piece] = []
+        self.parts: list[Chunk] = []
         self.error: Exception | None = None
         self.is_over = False
         self._made = made
         self._on_end = on_end
-        self._small: list[Piece] = []
+        self._small: list[Chunk] = []
         self._small_size = 0
 
     def step(self) -> bool:
@@ -165,15 +165,15 @@ class _Job:
         self._on_end(self)
         return False
 
-    def _add(self, piece: Piece) -> None:
-        if len(piece) >= PIECE_BYTES:
+    def _add(self, piece: Chunk) -> None:
+        if len(piece) >= CHUNK_BYTES:
             self._join()
             self.parts.append(piece)
             return
         if piece:
             self._small.append(piece)
         self._small_size += len(piece)
-        if self._small_size >= PIECE_BYTES:
+        if self._small_size >= CHUNK_BYTES:
             self._join()
 
     def _join(self) -> None:

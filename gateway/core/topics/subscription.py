@@ -64,12 +64,12 @@ class Subscription:
         "_throttle",
         "_timer",
         "adaptation",
+        "inherited",
         "is_direct",
         "is_latched",
         "lost_before",
         "offered",
         "options",
-        "past",
         "queue",
         "requested_name",
         "requests",
@@ -106,7 +106,7 @@ class Subscription:
         self.lost_before = 0  # samples that never came to be offered
         self.queue = session.outbox.open_queue(*options.queue_bounds, self)
         self._counts = counts
-        self.past = NOTHING_DELIVERED  # of others of this client and topic, which have ended
+        self.inherited = NOTHING_DELIVERED  # of others of this client and topic, which have ended
         self.adaptation = PictureAdaptation()
         self._adapts = False  # its pictures are to fit the link
         self._on_step = on_step
@@ -121,7 +121,7 @@ class Subscription:
 
     @property
     def delivery(self) -> Delivery:
-        """The samples that were offered, and what has become of them, its past included."""
+        """The samples that were offered, and what has become of them, with what it inherited."""
         queue, throttle = self.queue, self._throttle
         own = Delivery(
             offered=self.offered,
@@ -131,7 +131,7 @@ class Subscription:
             dropped=queue.dropped + queue.discarded,
             pending=queue.pending + (0 if throttle is None else len(throttle)),
         )
-        return own.plus(self.past)
+        return own.plus(self.inherited)
 
     @property
     def lost(self) -> int:
@@ -219,17 +219,17 @@ class Subscription:
         self.queue.clear(others=len(self._throttle))
         self._throttle.clear()
 
-    def close(self, heir: "Subscription | None" = None) -> None:
+    def close(self, successor: "Subscription | None" = None) -> None:
         """Deliver nothing any more.
 
-        *heir* is another one of the client to the topic: the counts of both must not fall.
+        *successor* is another one of the client to the topic: the counts of both must not fall.
         """
         self.clear()
         self.session.outbox.close_queue(self.queue)
-        if heir is None:
+        if successor is None:
             self._counts.deliver(self.delivery)
         else:
-            heir.past = heir.past.plus(self.delivery)
+            successor.inherited = successor.inherited.plus(self.delivery)
 
     def warn(self, error: ProtocolError) -> None:
         """Warn the client of something that its subscription suffers from."""

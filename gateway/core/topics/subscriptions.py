@@ -123,7 +123,7 @@ class Subscriptions:
         former = subscription.source
         self._apply(subscription, requests, options, source)
         if source is not None and former is not None and source.topic == former.topic:
-            self._topics[source.topic].welcome_again(subscription)
+            self._topics[source.topic].catch_up_again(subscription)
         self._report(subscription, request, source, asked)
 
     def view(self, session: Session, request: Subscribe) -> None:
@@ -296,7 +296,7 @@ class Subscriptions:
             self._topics[source.topic].add(subscription, source.encoding)
             subscription.feed(source, self._topics[source.topic].is_latched)
         if source is not None and not is_same_topic:
-            self._topics[source.topic].welcome(subscription, source.encoding)
+            self._topics[source.topic].catch_up(subscription, source.encoding)
         if former is not None:
             self._topics[former.topic].remove(subscription, former.encoding)
             self._close_if_idle(former.topic)

@@ -106,7 +106,7 @@ class Topic:
             encoding.close()
             del self._encodings[key], self._faults[key]
 
-    def welcome(self, subscription: Subscription, key: EncodingKey) -> None:
+    def catch_up(self, subscription: Subscription, key: EncodingKey) -> None:
         """Give a new subscription what has been there before: warnings, and retained samples.
 
         Before the first sample has come, the topic itself is a late joiner.
@@ -117,7 +117,7 @@ class Topic:
         if self._seq and self.is_latched():
             self._join_late(subscription)
 
-    def welcome_again(self, subscription: Subscription) -> None:
+    def catch_up_again(self, subscription: Subscription) -> None:
         """Give retained samples to a subscription again, for another request of its client.
 
         rosbridge does so for each `subscribe`: its libraries have a second listener of a topic send

@@ -203,7 +203,7 @@ class _SharedLookup:
         try:
             found = self._buffer.lookup(self._pair.target, self._pair.source)
         except TransformError:
-            self._limiter.hasten(RETRY_S)  # nothing is sent, so this is not too often
+            self._limiter.retry_after(RETRY_S)  # nothing is sent, so this is not too often
             self._sent = None
             for periodic in self._lookups:
                 self._miss(periodic)

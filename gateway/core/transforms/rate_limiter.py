@@ -23,7 +23,7 @@ class RateLimiter:
             self._due_s = max(self._due_s, self._loop.time())
             self._timer = self._loop.call_at(self._due_s, self._take_turn)
 
-    def hasten(self, wait_s: float) -> None:
+    def retry_after(self, wait_s: float) -> None:
         """Let the next turn be due after *wait_s*, if that is sooner: this one sent nothing."""
         self._due_s = min(self._due_s, self._loop.time() + wait_s)
 

@@ -286,7 +286,7 @@ class _SharedArray:
             for member in self.members:
                 member.offer(self._moved)
         elif not self._sent:
-            self._limiter.hasten(RETRY_S)
+            self._limiter.retry_after(RETRY_S)
 
     def _has_moved(self, source: str, transform: Rigid) -> bool:
         sent = self._sent.get(source)

@@ -44,7 +44,7 @@ class RosbridgeFront:
         return session
 
     def rejection(self, code: StatusCode, reason: str) -> bytes:
-        """Return a `status` for a client that is turned away."""
+        """Return a `status` for a client that is rejected."""
         return messages.status("error", reason, code=code)
 
     def receive(self, session: ClientSession, data: bytes) -> None:

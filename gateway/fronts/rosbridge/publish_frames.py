@@ -11,8 +11,8 @@ from typing import Final
 import orjson
 
 from gateway.codec import cbor
+from gateway.codec.chunks import Chunks
 from gateway.codec.json import ascii_only
-from gateway.codec.pieces import Pieces
 from gateway.core.frames import Meta, PerClient, PublishFrames
 from gateway.core.requests import Compression
 from gateway.core.ros_time import stamp
@@ -52,18 +52,18 @@ class JsonFrames:
             text = ascii_only(text)
         return text_frames(text, own.fragment_size, f"publish:{self._topic}:{own.seq}")
 
-    def shared_pieces(self, message: Pieces) -> Pieces:
+    def shared_chunks(self, message: Chunks) -> Chunks:
         """Frame a large message."""
         return _framed(TEXT, self._prefix, message, messages.PUBLISH_SUFFIX)
 
-    def per_client_pieces(self, message: Pieces, own: PerClient) -> bytes | Pieces:
+    def per_client_chunks(self, message: Chunks, own: PerClient) -> bytes | Chunks:
         """Add meta, escape and split as requested. Only to split, all of it is copied."""
         if own.fragment_size is not None:
             return self.per_client(bytes(message), own)
         prefix = self._own_prefix(own)
         if own.is_ascii:
             prefix = ascii_only(prefix)
-            message = Pieces.of(ascii_only(bytes(part)) for part in message.parts)
+            message = Chunks.of(ascii_only(bytes(part)) for part in message.parts)
         return _framed(TEXT, prefix, message, messages.PUBLISH_SUFFIX)
 
     def _own_prefix(self, own: PerClient) -> bytes:
@@ -101,11 +101,11 @@ class PngFrames:
         text = b"".join((self._PREFIX, message, b'"', end))
         return text_frames(text, own.fragment_size, f"publish:{self._topic}:{own.seq}")
 
-    def shared_pieces(self, message: Pieces) -> Pieces:
+    def shared_chunks(self, message: Chunks) -> Chunks:
         """Frame a message in pieces."""
         return _framed(TEXT, self._PREFIX, message, self._SUFFIX)
 
-    def per_client_pieces(self, message: Pieces, own: PerClient) -> bytes | Pieces:
+    def per_client_chunks(self, message: Chunks, own: PerClient) -> bytes | Chunks:
         """Add meta, and split as requested."""
         return self.per_client(bytes(message), own)
 
@@ -133,11 +133,11 @@ class CborFrames:
         prefix = self._own_prefix(own)
         return b"".join((header(BINARY, len(prefix) + len(message)), prefix, message))
 
-    def shared_pieces(self, message: Pieces) -> Pieces:
+    def shared_chunks(self, message: Chunks) -> Chunks:
         """Frame a large message."""
         return _framed(BINARY, self._prefix, message, b"")
 
-    def per_client_pieces(self, message: Pieces, own: PerClient) -> Pieces:
+    def per_client_chunks(self, message: Chunks, own: PerClient) -> Chunks:
         """Add meta as requested."""
         return _framed(BINARY, self._own_prefix(own), message, b"")
 
@@ -185,7 +185,7 @@ def _members(meta: Meta) -> dict[str, object]:
     return members if meta.quality is None else members | {"quality": meta.quality}
 
 
-def _framed(kind: int, prefix: bytes, message: Pieces, suffix: bytes) -> Pieces:
+def _framed(kind: int, prefix: bytes, message: Chunks, suffix: bytes) -> Chunks:
     length = len(prefix) + len(message) + len(suffix)
     return message.within(header(kind, length) + prefix, suffix)
 

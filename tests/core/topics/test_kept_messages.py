@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import pytest
 
-from gateway.codec.pieces import Pieces
+from gateway.codec.chunks import Chunks
 from gateway.core.topics import kept_messages
 from gateway.core.topics.kept_messages import KeptMessages
 
@@ -15,8 +15,8 @@ def kept(monkeypatch: pytest.MonkeyPatch) -> KeptMessages:
     return KeptMessages()
 
 
-def message(size: int) -> Pieces:
-    return Pieces.of([b"x" * size])
+def message(size: int) -> Chunks:
+    return Chunks.of([b"x" * size])
 
 
 def test_the_budget_holds_two_large_maps():

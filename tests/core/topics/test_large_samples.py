@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
+from gateway.codec.chunks import Chunks
 from gateway.codec.json_slices import SLICE_NUMBERS
 from gateway.codec.nonfinite import writer
-from gateway.codec.pieces import Pieces
 from gateway.core.entries import NOT_READY
 from gateway.core.topics import encoding as encoding_module
 from gateway.core.topics import slices
@@ -193,7 +193,7 @@ async def test_one_large_sample_of_an_encoding_is_encoded_at_a_time():
     assert [one.is_being_encoded, other.is_being_encoded] == [True, False]
     await eventually(lambda: bool(ready))
     frame = one.frame()
-    assert isinstance(frame, Pieces)
+    assert isinstance(frame, Chunks)
     assert len(frame) > 3 * len(cdr)
     assert other.frame() is NOT_READY
     assert other.is_being_encoded

@@ -53,7 +53,7 @@ def publish(client: Socketless, msg: object, topic: str = TOPIC, **more: object)
     client.send(op="publish", topic=topic, msg=msg, **more)
 
 
-class Held:
+class PausedDecoding:
     """Pictures that wait in their worker until they may go on."""
 
     def __init__(self) -> None:
@@ -81,11 +81,11 @@ class Held:
 
 
 @pytest.fixture
-def held(monkeypatch: pytest.MonkeyPatch) -> Iterator[Held]:
-    held = Held()
-    monkeypatch.setattr(published_pictures, "pixel_maker", held.make)
-    yield held
-    held.release(100)
+def paused(monkeypatch: pytest.MonkeyPatch) -> Iterator[PausedDecoding]:
+    paused = PausedDecoding()
+    monkeypatch.setattr(published_pictures, "pixel_maker", paused.make)
+    yield paused
+    paused.release(100)
 
 
 @pytest.mark.parametrize(
@@ -193,39 +193,43 @@ def named(name: str) -> dict[str, Any]:
     return message() | {"format": name}
 
 
-async def test_while_one_is_decoded_the_newest_waits(bench: Bench, held: Held):
+async def test_while_one_is_decoded_the_newest_waits(bench: Bench, paused: PausedDecoding):
     heard = listen(bench)
     client = advertising(bench)
     publish(client, named("0"))
-    await eventually(lambda: held.begun == ["0"])
+    await eventually(lambda: paused.begun == ["0"])
     for number in range(1, 5):
         publish(client, named(str(number)))
     assert client.session.replaced == 3
-    held.release(2)
+    paused.release(2)
     await eventually(lambda: len(heard) == 2)
-    assert held.begun == ["0", "4"]
+    assert paused.begun == ["0", "4"]
 
 
-async def test_clients_take_turns_and_one_worker_is_left_for_others(bench: Bench, held: Held):
+async def test_clients_take_turns_and_one_worker_is_left_for_others(
+    bench: Bench, paused: PausedDecoding
+):
     first, second = advertising(bench), advertising(bench, "/other")
     first.send(op="advertise", topic="/third", type=IMAGE, image={"format": "png"})
     publish(first, named("first"))
-    await eventually(lambda: held.begun == ["first"])
+    await eventually(lambda: paused.begun == ["first"])
     publish(first, named("again"))
     publish(first, named("third"), "/third")
     publish(second, named("second"), "/other")
     await bench.settle()
-    assert held.begun == ["first"]
+    assert paused.begun == ["first"]
     for count in range(1, 4):
-        held.release()
-        await eventually(lambda count=count: len(held.begun) == count + 1)
-    assert held.begun == ["first", "second", "again", "third"]
+        paused.release()
+        await eventually(lambda count=count: len(paused.begun) == count + 1)
+    assert paused.begun == ["first", "second", "again", "third"]
 
 
-async def test_waiting_pictures_of_a_client_fit_in_one_message(bench: Bench, held: Held):
+async def test_waiting_pictures_of_a_client_fit_in_one_message(
+    bench: Bench, paused: PausedDecoding
+):
     client = advertising(bench)
     publish(client, named("first"))
-    await eventually(lambda: held.begun == ["first"])
+    await eventually(lambda: paused.begun == ["first"])
     half = LIMITS.max_message_bytes // 2
     long = {"format": "long", "data": base64.b64encode(bytes(half)).decode()}
     for topic in ("/a", "/b"):
@@ -240,22 +244,22 @@ async def test_waiting_pictures_of_a_client_fit_in_one_message(bench: Bench, hel
 
 @pytest.mark.parametrize("ends", ["unadvertise", "leave"])
 async def test_pictures_that_are_ready_too_late_are_not_published(
-    bench: Bench, held: Held, ends: str
+    bench: Bench, paused: PausedDecoding, ends: str
 ):
     heard = listen(bench)
     client = advertising(bench)
     publish(client, named("late"))
-    await eventually(lambda: held.begun == ["late"])
+    await eventually(lambda: paused.begun == ["late"])
     publish(client, named("waits"))
     if ends == "leave":
         bench.router.leave(client.session)
     else:
         client.send(op="unadvertise", topic=TOPIC)
-    held.release(2)
-    await eventually(lambda: held.done == ["late"])
+    paused.release(2)
+    await eventually(lambda: paused.done == ["late"])
     other, others = advertising(bench, "/other"), listen(bench, "/other")
-    held.release()
+    paused.release()
     publish(other, named("other"), "/other")  # has its turn when nothing of the first waits
     await eventually(lambda: len(others) == 1)
-    assert held.begun == ["late", "other"]
+    assert paused.begun == ["late", "other"]
     assert (heard, client.frames) == ([], [])

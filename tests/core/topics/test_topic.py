@@ -150,7 +150,7 @@ def join(topic: Topic, **options: Any) -> Subscription:
     late = subscription(**options)
     late.source = Feed(topic.key, PLAIN)
     topic.add(late, PLAIN)
-    topic.welcome(late, PLAIN)
+    topic.catch_up(late, PLAIN)
     return late
 
 
@@ -263,7 +263,7 @@ def test_a_later_subscriber_is_told_of_a_fault_that_lasts(topic: Topic):
     assert send_broken(topic, early)
     assert not send_broken(topic, early)
     topic.add(late, PLAIN)
-    topic.welcome(late, PLAIN)
+    topic.catch_up(late, PLAIN)
     assert send_broken(topic, late)
 
 

@@ -167,10 +167,10 @@ async def test_a_flood_of_nonsense_is_told_of_in_few_words(
         await talker.repeat(good)
         await eventually(lambda: bool(frames))
         for _ in range(300):
-            spoilt = bytearray(good)
+            damaged = bytearray(good)
             for _ in range(chance.randrange(1, 8)):
-                spoilt[chance.randrange(len(spoilt))] = chance.choice((0, 1, 0x7F, 0xFF))
-            await talker.publish(bytes(spoilt[: chance.randrange(len(spoilt))]))
+                damaged[chance.randrange(len(damaged))] = chance.choice((0, 1, 0x7F, 0xFF))
+            await talker.publish(bytes(damaged[: chance.randrange(len(damaged))]))
         await talker.repeat(good)
         told = [frame for frame in frames if frame["op"] == "status"]
         before = len(frames) - len(told)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from websockets.frames import Frame, Opcode
 
 from gateway.codec import cbor
-from gateway.codec.pieces import Pieces
+from gateway.codec.chunks import Chunks
 from gateway.core.frames import Meta, PerClient
 from gateway.fronts.rosbridge.publish_frames import FRAMING
 from gateway.transport.websocket_frames import BINARY, header, text_frame
@@ -43,18 +43,18 @@ def test_the_message_can_be_taken_out_of_its_frame(compression, length):
 def test_a_message_in_pieces_has_the_frame_of_a_whole_one(compression, length, own):
     body = b"x" * length
     frames = FRAMING.frames("/odom", compression)
-    pieces = Pieces.of([body[:7], memoryview(body)[7:]])
+    pieces = Chunks.of([body[:7], memoryview(body)[7:]])
     if own is None:
-        assert bytes(frames.shared_pieces(pieces)) == frames.shared(body)
+        assert bytes(frames.shared_chunks(pieces)) == frames.shared(body)
     else:
-        assert bytes(frames.per_client_pieces(pieces, own)) == frames.per_client(body, own)
+        assert bytes(frames.per_client_chunks(pieces, own)) == frames.per_client(body, own)
 
 
 def test_json_in_pieces_is_escaped_where_that_is_asked_for():
     frames = FRAMING.frames("/ödom", "none")
     own = PerClient(7, META, is_ascii=True)
     pieces = [b'{"text":"', "ü".encode(), b'"}']
-    escaped = bytes(frames.per_client_pieces(Pieces.of(pieces), own))
+    escaped = bytes(frames.per_client_chunks(Chunks.of(pieces), own))
     assert escaped == frames.per_client(b"".join(pieces), own)
 
 

@@ -17,7 +17,7 @@ from tests.fuzz.choices import Choices
 from tests.fuzz.target import Target, check
 
 ALLOWED = ("https://ui.example", "null")
-RULES = WebRules(["localhost", "robot"], ["ui.example"], ALLOWED, welcomes_local=True)
+RULES = WebRules(["localhost", "robot"], ["ui.example"], ALLOWED, allows_local=True)
 PROXIES = [ipaddress.ip_network("127.0.0.0/8"), ipaddress.ip_network("fe80::/10")]
 FILE = (
     b'{"version":1,"tokens":[{"name":"tablet","role":"operator","created":"2026-01-01",'

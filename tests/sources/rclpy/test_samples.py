@@ -223,7 +223,7 @@ def text(size: int, char: bytes) -> bytes:
     return b"\0\1\0\0" + length.to_bytes(4, "little") + char * (length - 1) + b"\0"
 
 
-class HeldTakes:
+class PausedTakes:
     """Takes large samples as in the product, but each only after it was let."""
 
     def __init__(self, samples: Samples) -> None:
@@ -251,7 +251,7 @@ async def samples(node: Node) -> AsyncIterator[Samples]:
 
 
 async def test_samples_behind_a_large_one_are_taken_while_the_loop_serves_others(samples, outside):
-    held = HeldTakes(samples)
+    held = PausedTakes(samples)
     received: list[Sample] = []
     qos = Qos(reliability="reliable", durability="volatile", depth=10)
     publisher = outside.add_publisher("/cloud", STRING, qos)
@@ -281,7 +281,7 @@ async def test_samples_behind_a_large_one_are_taken_while_the_loop_serves_others
 
 
 async def test_the_first_sample_of_a_latched_topic_does_not_hold_the_loop(samples, outside):
-    held = HeldTakes(samples)
+    held = PausedTakes(samples)
     latched = Qos(durability="transient_local", depth=1)
     outside.add_publisher("/map", STRING, latched).publish(text(2 * LARGE_SAMPLE_BYTES, b"m"))
     received: list[Sample] = []
@@ -295,7 +295,7 @@ async def test_the_first_sample_of_a_latched_topic_does_not_hold_the_loop(sample
 
 
 async def test_a_flush_waits_for_what_the_thread_is_taking(samples, outside):
-    held = HeldTakes(samples)
+    held = PausedTakes(samples)
     latched = Qos(reliability="reliable", durability="transient_local", depth=10)
     publisher = outside.add_publisher("/map", STRING, latched)
     received: list[Sample] = []
@@ -311,7 +311,7 @@ async def test_a_flush_waits_for_what_the_thread_is_taking(samples, outside):
 
 
 async def test_a_reader_that_closes_delivers_nothing_that_the_thread_is_taking(samples, outside):
-    held = HeldTakes(samples)
+    held = PausedTakes(samples)
     latched = Qos(durability="transient_local", depth=1)
     outside.add_publisher("/map", STRING, latched).publish(text(100, b"a"))
     received: list[Sample] = []
@@ -332,7 +332,7 @@ async def test_after_a_failed_take_the_loop_takes_the_samples_that_have_come(sam
     loop = asyncio.get_running_loop()
     raised: list[object] = []
     loop.set_exception_handler(lambda _, context: raised.append(context["exception"]))
-    held = HeldTakes(samples)
+    held = PausedTakes(samples)
     held.error = RuntimeError("no memory")
     latched = Qos(reliability="reliable", durability="transient_local", depth=10)
     publisher = outside.add_publisher("/map", STRING, latched)
@@ -365,7 +365,7 @@ async def test_samples_that_arrive_while_the_thread_takes_bring_one_further_take
 
 
 async def test_a_reader_that_closes_waits_for_one_sample_alone(samples, outside):
-    held = HeldTakes(samples)
+    held = PausedTakes(samples)
     latched = Qos(reliability="reliable", durability="transient_local", depth=10)
     publisher = outside.add_publisher("/map", STRING, latched)
     for _ in range(4):

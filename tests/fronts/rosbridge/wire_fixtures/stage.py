@@ -34,7 +34,7 @@ from gateway.drive.effects import GuardState
 from gateway.sources.actions import GoalOutcome, GoalRequest
 from gateway.sources.source import Qos, Sample
 from gateway.transport.admission import Admission
-from gateway.transport.http import Asker
+from gateway.transport.http import HttpConnection
 from gateway.transport.picture_streams import Pictures, Viewer
 from tests.core.conftest import Bench, Socketless, open_bench
 from tests.fronts.rosbridge.wire_fixtures.text import OPENCV, shortened, shown, shown_bytes
@@ -256,7 +256,7 @@ class Stage:
         identity = Identity(role, Policy(_ACCESS).of(cast("Role", role)))
         asked = HttpRequest(target, Headers(Host="127.0.0.1"), method=method)
         answer = self.pictures.respond(
-            ServerProtocol(), asked, cast("Asker", viewing), identity, "127.0.0.1"
+            ServerProtocol(), asked, cast("HttpConnection", viewing), identity, "127.0.0.1"
         )
         if answer is not None:
             viewing.answer(answer)

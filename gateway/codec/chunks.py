@@ -5,19 +5,19 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-Piece: TypeAlias = bytes | memoryview
+Chunk: TypeAlias = bytes | memoryview
 """Bytes, or a view of some, with one byte for each element."""
 
 
 @dataclass(frozen=True, slots=True)
-class Pieces:
+class Chunks:
     """A text, an item of CBOR or a frame, in pieces. Its length is that of all of them."""
 
-    parts: tuple[Piece, ...]
+    parts: tuple[Chunk, ...]
     size: int
 
     @classmethod
-    def of(cls, parts: Iterable[Piece]) -> "Pieces":
+    def of(cls, parts: Iterable[Chunk]) -> "Chunks":
         """Take pieces as they are."""
         known = tuple(parts)
         return cls(known, sum(map(len, known)))
@@ -30,6 +30,6 @@ class Pieces:
         """Join them, which takes a millisecond for some MB."""
         return b"".join(self.parts)
 
-    def within(self, before: bytes, after: bytes) -> "Pieces":
+    def within(self, before: bytes, after: bytes) -> "Chunks":
         """Return them with more before and after. Nothing is copied."""
-        return Pieces((before, *self.parts, after), len(before) + self.size + len(after))
+        return Chunks((before, *self.parts, after), len(before) + self.size + len(after))

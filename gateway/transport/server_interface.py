@@ -10,7 +10,7 @@ from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
 from gateway.config.limits import Limits
-from gateway.transport.end import End
+from gateway.transport.end import ConnectionEnd
 from gateway.transport.front import ClientSession, Front, Fronts
 from gateway.transport.time_budget import TimeBudgets
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:  # it imports this
     from gateway.transport.connection import Connection
 
 
-class Acceptor(Protocol):
+class ServerInterface(Protocol):
     """The part of the server that a connection needs."""
 
     limits: Limits
@@ -44,10 +44,12 @@ class Acceptor(Protocol):
         """Return the response to bytes that begin like this and are not an HTTP request."""
 
     def enter(self, connection: Connection, front: Front, request: Request) -> ClientSession | None:
-        """Open the session of a client after its handshake, or ``None`` if it was turned away."""
+        """Open the session of a client after its handshake, or ``None`` if it was rejected."""
 
     def end_turn(self, session: ClientSession) -> None:
         """Carry out work that was deferred until the others have had their turn."""
 
-    def left(self, connection: Connection, session: ClientSession | None, end: End) -> None:
+    def left(
+        self, connection: Connection, session: ClientSession | None, end: ConnectionEnd
+    ) -> None:
         """Forget a connection that is gone."""
