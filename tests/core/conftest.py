@@ -26,6 +26,15 @@ from tests.client import Frame, eventually
 from tests.sources.fake import FakeRos
 from tests.wire import unpacked
 
+FIBONACCI = "test_msgs/action/Fibonacci"
+GRID = "nav_msgs/msg/OccupancyGrid"
+IMAGE = "sensor_msgs/msg/Image"
+ODOMETRY = "nav_msgs/msg/Odometry"
+SCAN = "sensor_msgs/msg/LaserScan"
+SET_BOOL = "std_srvs/srv/SetBool"
+STRING = "std_msgs/msg/String"
+TRIGGER = "std_srvs/srv/Trigger"
+TWIST = "geometry_msgs/msg/Twist"
 LIMITS = Limits(max_subscriptions=4, max_advertisements=3)
 
 

@@ -7,9 +7,8 @@ import cbor2
 import numpy as np
 import pytest
 
-from tests.core.conftest import Bench, Socketless
+from tests.core.conftest import SCAN, Bench, Socketless
 
-SCAN = "sensor_msgs/msg/LaserScan"
 OCTETS = "std_msgs/msg/UInt8MultiArray"
 
 

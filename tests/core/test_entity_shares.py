@@ -9,11 +9,8 @@ import pytest
 
 from gateway.config.limits import Limits
 from gateway.core.entity_shares import EntityShares
-from tests.core.conftest import Bench, Socketless
+from tests.core.conftest import FIBONACCI, STRING, TRIGGER, Bench, Socketless
 
-STRING = "std_msgs/msg/String"
-TRIGGER = "std_srvs/srv/Trigger"
-FIBONACCI = "test_msgs/action/Fibonacci"
 KINDS = "of all kinds together: end one, or raise limits.max_ros_entities"
 PER_CLIENT = ("limit_exceeded", f"at most 4 ROS entities per client, {KINDS}")
 PER_ADDRESS = ("limit_exceeded", f"at most 8 ROS entities per address, {KINDS}")

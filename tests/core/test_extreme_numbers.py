@@ -10,7 +10,6 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from gateway.codec.types import Types
@@ -20,10 +19,9 @@ from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.fronts.rosbridge.operations import OPERATIONS
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
-from tests.core.conftest import Socketless
+from tests.core.conftest import IMAGE, Socketless
 from tests.sources.fake import FakeRos
 
-IMAGE = "sensor_msgs/msg/Image"
 TYPES = Types(InstalledDefinitions())
 TABLE = Table.load()
 BEYOND_FLOAT = "@1e999"  # written without its quotes
@@ -198,19 +196,6 @@ def test_each_number_of_an_operation_may_be_anything(op: str, is_carried_out: Ca
         for number in EXTREMES:
             members = with_one_number(op, way, number)
             assert is_carried_out(members, op), members
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("op", sorted(OPERATIONS))
-def test_no_number_of_an_operation_is_more_than_a_gateway_can_answer(
-    op: str, is_carried_out: CarryOut
-):
-    @settings(suppress_health_check=list(HealthCheck), deadline=None)
-    @given(operations(op))
-    def carry_out_each(members: dict[str, Any]) -> None:
-        assert is_carried_out(members, op)
-
-    carry_out_each()
 
 
 @pytest.mark.parametrize("member", [{"image": {"max_fps": 1e-320}}, {"image": {"max_fps": 0.0009}}])

@@ -13,13 +13,11 @@ from gateway.core.router import Router
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
-from tests.core.conftest import LIMITS, Bench, Socketless
+from tests.core.conftest import LIMITS, STRING, TWIST, Bench, Socketless
 from tests.sources.fake import FakeRos
 from tests.sources.fake_guard import FakeGuard
 
-TWIST = "geometry_msgs/msg/Twist"
 LOOKUP = "tf2_msgs/action/LookupTransform"
-STRING = "std_msgs/msg/String"
 PARTS = ("publishing", "services", "actions", "diagnosis")
 
 

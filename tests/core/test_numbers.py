@@ -11,9 +11,8 @@ import cv2
 import numpy as np
 import pytest
 
-from tests.core.conftest import Bench
+from tests.core.conftest import SCAN, Bench
 
-SCAN = "sensor_msgs/msg/LaserScan"
 BASIC = "test_msgs/srv/BasicTypes"
 NESTED = "test_msgs/action/NestedMessage"
 RANGES = '[0.1,Infinity,-Infinity,NaN,"Infinity",null]'

@@ -22,12 +22,8 @@ from gateway.core.permission_checks import may_carry_out
 from gateway.core.requests import Request
 from gateway.fronts.rosbridge.operations import ClientOperation
 from tests.client import eventually
-from tests.core.conftest import Bench, Socketless
+from tests.core.conftest import FIBONACCI, STRING, TRIGGER, Bench, Socketless
 from tests.core.rosapi.scripted import ScriptedNodes
-
-STRING = "std_msgs/msg/String"
-TRIGGER = "std_srvs/srv/Trigger"
-FIBONACCI = "test_msgs/action/Fibonacci"
 
 HIDING = AccessConfig(
     viewer=ViewerConfig(

@@ -41,12 +41,6 @@ async def test_describe_of_a_type_outside_the_table_has_no_number(bench: Bench):
     assert client.frames[0]["number"] is None
 
 
-async def test_describe_of_an_unknown_type_suggests_one(bench: Bench):
-    client = bench.sender(op="describe", type="geometry_msgs/msg/Twits")
-    assert client.statuses[0][0] == "bad_type"
-    assert "did you mean geometry_msgs/msg/Twist?" in client.statuses[0][1]
-
-
 async def test_the_graph_names_topics_with_types_and_nodes(bench: Bench):
     bench.ros.add_publisher("/odom", "nav_msgs/msg/Odometry", node="/robot")
     client = bench.sender(op="graph", id="g")

@@ -12,11 +12,7 @@ import pytest
 from gateway.fronts.rosbridge.operations import rosbridge
 from gateway.sources.source import Sample, TopicEvent
 from tests.client import eventually
-from tests.core.conftest import Bench, Socketless, open_bench
-
-STRING = "std_msgs/msg/String"
-SET_BOOL = "std_srvs/srv/SetBool"
-FIBONACCI = "test_msgs/action/Fibonacci"
+from tests.core.conftest import FIBONACCI, SET_BOOL, STRING, Bench, Socketless, open_bench
 
 NOTHING: list[str] = []
 REFUSED = ["status error"]

@@ -11,10 +11,8 @@ from gateway.config.access import AccessConfig, ViewerConfig
 from gateway.core.topic_events import MAX_AT_ONCE
 from gateway.sources.source import Qos, TopicEvent
 from tests.client import eventually
-from tests.core.conftest import Bench
+from tests.core.conftest import STRING, Bench
 
-STRING = "std_msgs/msg/String"
-TWIST = "geometry_msgs/msg/Twist"
 GONE = "topic /t: /outside publishes no longer, nobody does"
 
 

@@ -7,10 +7,8 @@ import pytest
 
 from gateway.sources.actions import ABORTED, CANCELED, SUCCEEDED
 from tests.client import Frame, eventually
-from tests.core.conftest import LIMITS, Bench, Socketless
+from tests.core.conftest import FIBONACCI, LIMITS, Bench, Socketless
 from tests.sources.fake_actions import FakeGoal
-
-FIBONACCI = "test_msgs/action/Fibonacci"
 
 
 class Person:
@@ -43,10 +41,15 @@ async def goal_of(client: Socketless, count: int = 1) -> Frame:
     return (await client.sees(count, "send_action_goal"))[count - 1]
 
 
-async def test_a_goal_goes_to_the_client_and_feedback_and_result_back(bench: Bench) -> None:
+async def asked(bench: Bench) -> tuple[Socketless, Person, FakeGoal, Frame]:
+    """Return a provider that has got the goal of a person."""
     client, person = provider(bench), Person(bench)
-    goal = await person.sends(3)
-    frame = await goal_of(client)
+    goal = await person.sends()
+    return client, person, goal, await goal_of(client)
+
+
+async def test_a_goal_goes_to_the_client_and_feedback_and_result_back(bench: Bench) -> None:
+    client, person, goal, frame = await asked(bench)
     assert frame["id"].startswith("action_goal:/fib:")
     assert frame == {
         "op": "send_action_goal",
@@ -83,9 +86,7 @@ async def test_a_goal_goes_to_the_client_and_feedback_and_result_back(bench: Ben
 async def test_a_result_may_leave_out_what_old_clients_leave_out(
     bench: Bench, end: dict[str, Any], outcome: tuple[int, list[int]]
 ) -> None:
-    client, person = provider(bench), Person(bench)
-    goal = await person.sends()
-    frame = await goal_of(client)
+    client, person, goal, frame = await asked(bench)
     client.send(op="action_result", id=frame["id"], action="fib", **end)
     assert await person.result(goal) == outcome
 
@@ -107,9 +108,7 @@ async def test_cancelling_reaches_the_client_which_says_when(bench: Bench) -> No
 
 
 async def test_a_result_that_does_not_fit_is_refused_and_aborts_the_goal(bench: Bench) -> None:
-    client, person = provider(bench), Person(bench)
-    goal = await person.sends()
-    frame = await goal_of(client)
+    client, person, goal, frame = await asked(bench)
     client.send(op="action_result", id=frame["id"], action="fib", values={"sequence": ["1"]})
     assert client.of("status")[0]["code"] == "invalid_value"
     assert await person.result(goal) == (ABORTED, [])
@@ -128,9 +127,7 @@ async def test_a_result_that_does_not_fit_is_refused_and_aborts_the_goal(bench: 
 async def test_mistakes_of_a_provider_are_answered_and_harm_nothing(
     bench: Bench, operation: dict[str, Any], code: str, words: str
 ) -> None:
-    client, person = provider(bench), Person(bench)
-    goal = await person.sends()
-    frame = await goal_of(client)
+    client, person, goal, frame = await asked(bench)
     client.send(**{"id": frame["id"], "action": "fib", **operation})
     assert client.statuses[0][0] == code
     assert words in client.statuses[0][1]
@@ -195,9 +192,7 @@ async def test_a_goal_that_does_not_fit_its_type_is_aborted(bench: Bench) -> Non
 async def test_a_status_that_is_not_honoured_is_told(
     bench: Bench, is_cancelled: bool, result: bool, why: str
 ) -> None:
-    client, person = provider(bench), Person(bench)
-    goal = await person.sends()
-    frame = await goal_of(client)
+    client, person, goal, frame = await asked(bench)
     if is_cancelled:
         goal.cancel()
         await client.sees(1, "cancel_action_goal")
@@ -209,9 +204,7 @@ async def test_a_status_that_is_not_honoured_is_told(
 
 
 async def test_a_goal_that_was_to_be_cancelled_ends_so_without_a_word(bench: Bench) -> None:
-    client, person = provider(bench), Person(bench)
-    goal = await person.sends()
-    frame = await goal_of(client)
+    client, person, goal, frame = await asked(bench)
     goal.cancel()
     await client.sees(1, "cancel_action_goal")
     end = {"op": "action_result", "id": frame["id"], "action": "fib", "status": 5}

@@ -9,9 +9,7 @@ import pytest
 from gateway.sources.actions import ABORTED, CANCELED, SUCCEEDED, GoalRequest
 from tests.client import eventually
 from tests.clock import StoppedClock
-from tests.core.conftest import LIMITS, Bench
-
-FIBONACCI = "test_msgs/action/Fibonacci"
+from tests.core.conftest import FIBONACCI, LIMITS, Bench, Socketless
 
 
 class Fib:
@@ -34,6 +32,14 @@ class Fib:
 
     def finish(self, goal: GoalRequest, status: Any, *sequence: int) -> None:
         goal.finish(status, self.bench.cdr(f"{FIBONACCI}_Result", sequence=list(sequence)))
+
+
+async def sent(bench: Bench, **more: bool) -> tuple[Fib, Socketless, GoalRequest]:
+    """Return an action server, a client, and the goal that it has sent."""
+    fib = Fib(bench)
+    goal = {"id": "g", "action": "/fib", "args": [3]}
+    client = bench.sender(op="send_action_goal", **goal, **more)
+    return fib, client, await fib.gets()
 
 
 async def test_a_goal_brings_feedback_and_a_result(bench: Bench) -> None:
@@ -60,9 +66,7 @@ async def test_a_goal_brings_feedback_and_a_result(bench: Bench) -> None:
 
 
 async def test_feedback_comes_only_where_it_is_wanted(bench: Bench) -> None:
-    fib = Fib(bench)
-    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3])
-    goal = await fib.gets()
+    fib, client, goal = await sent(bench)
     fib.feedback(goal, 0, 1)
     fib.finish(goal, ABORTED)
     (result,) = await client.sees(1, "action_result")
@@ -71,9 +75,7 @@ async def test_feedback_comes_only_where_it_is_wanted(bench: Bench) -> None:
 
 
 async def test_a_client_that_reads_slowly_gets_the_newest_feedback(bench: Bench) -> None:
-    fib = Fib(bench)
-    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3], feedback=True)
-    goal = await fib.gets()
+    fib, client, goal = await sent(bench, feedback=True)
     client.is_paused = True
     for number in range(100):
         fib.feedback(goal, number)
@@ -84,9 +86,7 @@ async def test_a_client_that_reads_slowly_gets_the_newest_feedback(bench: Bench)
 
 
 async def test_of_long_feedback_256_kib_wait_for_a_client(bench: Bench) -> None:
-    fib = Fib(bench)
-    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3], feedback=True)
-    goal = await fib.gets()
+    fib, client, goal = await sent(bench, feedback=True)
     client.is_paused = True
     for number in range(8):
         fib.feedback(goal, *[number] * 21_000)  # 82 KiB
@@ -132,9 +132,7 @@ async def test_a_rejected_goal_is_answered(bench: Bench) -> None:
 
 
 async def test_a_goal_whose_server_dies_is_answered(bench: Bench) -> None:
-    fib = Fib(bench)
-    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3])
-    await fib.gets()
+    fib, client, _ = await sent(bench)
     fib.server.close()
     (result,) = await client.sees(1, "action_result")
     assert (result["status"], result["result"]) == (0, False)
@@ -183,9 +181,7 @@ async def test_cancelling_an_unknown_goal_is_refused(bench: Bench) -> None:
 
 
 async def test_a_client_that_leaves_cancels_its_goals(bench: Bench) -> None:
-    fib = Fib(bench)
-    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3])
-    await fib.gets()
+    fib, client, _ = await sent(bench)
     await bench.settle()
     client.send(op="send_action_goal", id="h", action="/fib", args=[3])
     bench.router.leave(client.session)  # before the second is sent
@@ -207,9 +203,7 @@ async def test_a_goal_that_is_accepted_after_its_client_has_left_is_cancelled(
 
 
 async def test_a_client_that_leaves_keeps_the_goals_that_it_said_to(bench: Bench) -> None:
-    fib = Fib(bench)
-    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3], keep=True)
-    await fib.gets()
+    fib, client, _ = await sent(bench, keep=True)
     await bench.settle()
     bench.router.leave(client.session)
     await eventually(lambda: bench.router.counts()["goals"] == 0)
@@ -219,9 +213,7 @@ async def test_a_client_that_leaves_keeps_the_goals_that_it_said_to(bench: Bench
 
 
 async def test_feedback_that_waits_comes_before_the_result_and_is_not_lost(bench: Bench) -> None:
-    fib = Fib(bench)
-    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3], feedback=True)
-    goal = await fib.gets()
+    fib, client, goal = await sent(bench, feedback=True)
     await bench.settle()
     client.is_paused = True
     for number in range(3):
@@ -280,9 +272,7 @@ async def test_a_server_that_does_not_answer_a_goal_is_waited_for_a_while(
 
 
 async def test_a_goal_is_not_cancelled_by_the_name_of_another_action(bench: Bench) -> None:
-    fib = Fib(bench)
-    client = bench.sender(op="send_action_goal", id="g", action="/fib", args=[3])
-    await fib.gets()
+    fib, client, _ = await sent(bench)
     await bench.settle()
     client.send(op="cancel_action_goal", id="g", action="/fob")
     await bench.settle()

@@ -15,12 +15,11 @@ from gateway.core.router import Router
 from gateway.sources.source import Sample
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
-from tests.client import Frame
-from tests.core.conftest import LIMITS, Bench, Socketless
+from tests.client import Frame, eventually
+from tests.core.conftest import LIMITS, TWIST, Bench, Socketless
 from tests.sources.fake import FakeRos
 from tests.sources.fake_guard import FakeGuard
 
-TWIST = "geometry_msgs/msg/Twist"
 STAMPED = "geometry_msgs/msg/TwistStamped"
 
 
@@ -50,9 +49,22 @@ class Scene(Bench):
         self.ros.add_subscription(topic, type_name, note)
         return heard
 
+    async def driven(self) -> tuple[Socketless, list[Frame]]:
+        """Return a client whose first command the robot has heard, and what it hears."""
+        heard = self.listen()
+        client = self.client()
+        push(client)
+        await eventually(lambda: len(heard) == 1)
+        return client, heard
+
 
 def speeds(heard: list[Frame]) -> list[float]:
     return [twist["linear"]["x"] for twist in heard]
+
+
+async def stopped(heard: list[Frame]) -> None:
+    """Wait until a robot that has heard one command has heard the zeros of a stop."""
+    await eventually(lambda: speeds(heard)[1:] == [0.0] * 5)
 
 
 def push(client: Socketless, x: float = 0.2, **more: object) -> None:

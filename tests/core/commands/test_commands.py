@@ -20,7 +20,7 @@ from gateway.drive.drive import Drive
 from gateway.sources.source import Qos, RosError
 from tests.client import eventually
 from tests.clock import StoppedClock
-from tests.core.commands.conftest import STAMPED, TWIST, Build, Scene, push, speeds
+from tests.core.commands.conftest import STAMPED, TWIST, Build, Scene, push, speeds, stopped
 from tests.core.conftest import Socketless
 from tests.sources.fake_services import FakeService
 
@@ -256,26 +256,6 @@ async def test_the_guard_follows_another_type(scene: Scene):
     assert scene.guard.told[-1] == ("open", "/cmd_vel", STAMPED, 1)
 
 
-async def test_a_command_waits_for_a_guard_that_starts(scene: Scene):
-    heard = scene.listen()
-    scene.guard.is_ready = False
-    push(scene.client())
-    await scene.settle()
-    assert heard == []
-    scene.guard.report("ready")
-    await eventually(lambda: speeds(heard)[:1] == [0.2])
-
-
-async def test_of_the_commands_that_come_together_the_newest_goes_out(scene: Scene):
-    heard = scene.listen()
-    client = scene.client()
-    for number in range(10):
-        push(client, number / 10)
-    await eventually(lambda: len(heard) >= 1)
-    assert 0.9 in speeds(heard)
-    assert not {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8} & set(speeds(heard))
-
-
 async def test_the_publisher_is_reliable_and_keeps_one_command_for_a_moment(scene: Scene):
     scene.listen()
     client = scene.sender(op="advertise", topic="/cmd_vel", type=TWIST, latch=True, queue_size=50)
@@ -302,15 +282,12 @@ async def test_the_publisher_is_reliable_and_keeps_one_command_for_a_moment(scen
 async def test_a_speed_that_is_not_finite_is_refused_and_stops_a_robot_that_moves(
     scene: Scene, linear, where: str, got: str
 ):
-    heard = scene.listen()
-    client = scene.client()
-    push(client)
-    await eventually(lambda: len(heard) == 1)
+    client, heard = await scene.driven()
     client.send(op="publish", topic="/cmd_vel", msg={"linear": linear})
     code, text = client.statuses[-1]
     assert code == "invalid_value"
     assert text == f"msg.{where}: expected a finite number, got {got}"
-    await eventually(lambda: speeds(heard)[1:] == [0.0] * 5)
+    await stopped(heard)
 
 
 async def test_a_speed_beyond_the_limit_is_clamped_and_the_client_told(build: Build):
@@ -369,12 +346,9 @@ async def test_a_driver_keeps_others_out_for_the_configured_lease(
 
 
 async def test_a_client_that_leaves_stops_the_robot_and_leaves_nothing_open(scene: Scene):
-    heard = scene.listen()
-    client = scene.client()
-    push(client)
-    await eventually(lambda: len(heard) == 1)
+    client, heard = await scene.driven()
     scene.router.leave(client.session)
-    await eventually(lambda: speeds(heard)[1:] == [0.0] * 5)
+    await stopped(heard)
     assert scene.ros.entity_count() == 0
     assert scene.guard.verbs[-1] == "rest"
     assert scene.router.counts()["publishers"] == 0
@@ -608,7 +582,7 @@ async def test_unadvertising_stops_as_asked(scene: Scene):
     client.send(op="unadvertise", topic="/cmd_vel")
     client.send(op="unadvertise", topic="/cmd_vel")
     assert client.statuses[-1] == ("not_found", "not advertised: /cmd_vel")
-    await eventually(lambda: speeds(heard)[1:] == [0.0] * 5)
+    await stopped(heard)
     push(client)
     await eventually(lambda: speeds(heard)[-1] == 0.2)
 
@@ -620,10 +594,7 @@ async def test_unadvertising_stops_as_asked(scene: Scene):
 async def test_a_command_that_waited_is_stale_and_hears_why(
     scene: Scene, why: str, *, is_behind: bool
 ):
-    heard = scene.listen()
-    client = scene.client()
-    push(client)
-    await eventually(lambda: len(heard) == 1)
+    client, heard = await scene.driven()
     client.session.waited_s = lambda: 0.25
     client.session.is_behind = is_behind
     push(client)
@@ -634,10 +605,7 @@ async def test_a_command_that_waited_is_stale_and_hears_why(
 
 
 async def test_a_command_that_a_stop_has_overtaken_does_not_move_the_robot(scene: Scene):
-    heard = scene.listen()
-    client = scene.client()
-    push(client)
-    await eventually(lambda: len(heard) == 1)
+    client, heard = await scene.driven()
     client.send(op="stop")
     client.session.is_overtaken = True
     push(client, monotonic_ms=time.monotonic_ns() / 1e6)
@@ -694,10 +662,7 @@ async def test_the_time_that_it_takes_to_open_the_topic_makes_a_first_command_no
 
 
 async def test_a_shutdown_stops_at_once_and_nothing_moves_after(scene: Scene):
-    heard = scene.listen()
-    client = scene.client()
-    push(client)
-    await eventually(lambda: len(heard) == 1)
+    client, heard = await scene.driven()
     scene.router.stop_robots()
     await eventually(lambda: speeds(heard)[1:2] == [0.0])
     push(client, id=1)
@@ -793,15 +758,13 @@ async def test_a_command_waits_until_the_guard_has_proved_that_its_zeros_arrive(
 
 
 async def test_a_client_that_lost_the_permission_to_drive_is_stopped(scene: Scene):
-    heard = scene.listen()
-    client = scene.client()
-    push(client)
-    await eventually(lambda: len(heard) == 1)
+    client, heard = await scene.driven()
     scene.router.revoke(client.session)
     await eventually(lambda: speeds(heard)[1:2] == [0.0])
     push(client, id=1)
     assert client.statuses[-1][0] == "tripped"
     assert "the permission to drive ended" in client.statuses[-1][1]
+    assert [each["cause"] for each in scene.audited if each["event"] == "stop"] == ["permission"]
 
 
 def of_role(scene: Scene, role: str, **access: object) -> Socketless:
@@ -875,13 +838,3 @@ async def test_a_hidden_command_topic_does_not_exist(build: Build):
     assert [each["topic"] for each in client.of("control")] == ["/cmd_vel"]
     client.send(op="stop")
     assert [each["topics"] for each in client.of("stop")] == [[]]
-
-
-async def test_a_client_that_may_not_go_on_is_why_its_robot_stops(scene: Scene):
-    heard = scene.listen()
-    driver = of_role(scene, "operator")
-    push(driver)
-    await eventually(lambda: speeds(heard) == [0.2])
-    scene.router.revoke(driver.session)
-    await eventually(lambda: 0.0 in speeds(heard))
-    assert [each["cause"] for each in scene.audited if each["event"] == "stop"] == ["permission"]

@@ -3,11 +3,7 @@ import pytest
 
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig, ViewerConfig
-from tests.core.conftest import Bench
-
-TRIGGER = "std_srvs/srv/Trigger"
-SET_BOOL = "std_srvs/srv/SetBool"
-FIBONACCI = "test_msgs/action/Fibonacci"
+from tests.core.conftest import FIBONACCI, SET_BOOL, TRIGGER, Bench
 
 
 @pytest.fixture

@@ -9,12 +9,11 @@ import pytest
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig, OperatorConfig
 from gateway.sources.source import RosError
-from tests.client import TIMEOUT_S, eventually
+from tests.client import TIMEOUT_S, Frame, eventually
 from tests.clock import StoppedClock
-from tests.core.conftest import LIMITS, Bench, Socketless
+from tests.core.conftest import LIMITS, SET_BOOL, Bench, Socketless
 from tests.sources.fake_services import FakeRequest
 
-SET_BOOL = "std_srvs/srv/SetBool"
 MAX_PENDING = 64
 
 
@@ -38,6 +37,17 @@ def provider(bench: Bench) -> Socketless:
     client = bench.sender(op="advertise_service", service="arm", type="std_srvs/SetBool")
     assert not client.statuses
     return client
+
+
+Called = tuple[Socketless, Frame, "asyncio.Future[dict[str, Any]]"]
+
+
+async def called(bench: Bench) -> Called:
+    """Return a provider, the call that it got, and the response that a node waits for."""
+    client = provider(bench)
+    response = Caller(bench).call()
+    (frame,) = await client.sees(1, "call_service")
+    return client, frame, response
 
 
 async def test_a_call_goes_to_the_client_and_its_answer_back(bench: Bench) -> None:
@@ -79,18 +89,14 @@ async def test_answers_find_their_calls_in_any_order(bench: Bench) -> None:
 async def test_a_failure_without_values_reaches_the_caller_as_one(
     bench: Bench, answer: dict[str, Any], message: str
 ) -> None:
-    client = provider(bench)
-    response = Caller(bench).call()
-    (frame,) = await client.sees(1, "call_service")
+    client, frame, response = await called(bench)
     client.send(op="service_response", id=frame["id"], service="arm", **answer)
     assert await response == {"success": False, "message": message}
     assert not client.of("status")
 
 
 async def test_a_failure_with_values_passes_them_on_with_a_warning(bench: Bench) -> None:
-    client = provider(bench)
-    response = Caller(bench).call()
-    (frame,) = await client.sees(1, "call_service")
+    client, frame, response = await called(bench)
     values = {"success": True, "message": "x"}
     client.send(op="service_response", id=frame["id"], service="arm", values=values, result=False)
     assert await response == values
@@ -98,9 +104,7 @@ async def test_a_failure_with_values_passes_them_on_with_a_warning(bench: Bench)
 
 
 async def test_values_that_do_not_fit_are_refused_and_fail_the_call(bench: Bench) -> None:
-    client = provider(bench)
-    response = Caller(bench).call()
-    (frame,) = await client.sees(1, "call_service")
+    client, frame, response = await called(bench)
     client.send(op="service_response", id=frame["id"], service="arm", values={"success": 1})
     assert client.statuses == [("invalid_value", "values.success: expected true or false, got 1")]
     assert (await response)["success"] is False
@@ -125,9 +129,7 @@ async def test_a_client_that_never_answers_lets_the_call_fail_in_time(
 
 
 async def test_a_client_that_leaves_lets_its_calls_fail(bench: Bench) -> None:
-    client = provider(bench)
-    response = Caller(bench).call()
-    await client.sees(1, "call_service")
+    client, _, response = await called(bench)
     bench.router.leave(client.session)
     assert await response == {"success": False, "message": "service's client has left"}
     assert bench.ros.entity_count() == 0
@@ -148,9 +150,7 @@ async def test_calls_of_a_service_that_has_ended_have_no_deadline_any_more(
 
 
 async def test_a_withdrawn_service_lets_its_calls_fail(bench: Bench) -> None:
-    client = provider(bench)
-    response = Caller(bench).call()
-    await client.sees(1, "call_service")
+    client, _, response = await called(bench)
     client.send(op="unadvertise_service", service="arm")
     assert (await response)["message"] == "service was withdrawn"
     client.send(op="unadvertise_service", service="arm")
@@ -250,9 +250,7 @@ async def test_a_call_that_was_answered_has_no_deadline_any_more(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:
     bench.router.limits = LIMITS.model_copy(update={"service_timeout_s": 0.05})
-    client = provider(bench)
-    response = Caller(bench).call()
-    (frame,) = await client.sees(1, "call_service")
+    client, frame, response = await called(bench)
     client.send(op="service_response", id=frame["id"], service="arm", values={"success": True})
     await response
     # the deadline of a later call passes after that of the first would have

@@ -10,10 +10,7 @@ import pytest
 from gateway.sources.services import ServiceRequest
 from tests.client import eventually
 from tests.clock import StoppedClock
-from tests.core.conftest import LIMITS, Bench
-
-SET_BOOL = "std_srvs/srv/SetBool"
-TRIGGER = "std_srvs/srv/Trigger"
+from tests.core.conftest import LIMITS, SET_BOOL, Bench
 
 MAX_WAITING_CALLS = 256
 

@@ -28,12 +28,10 @@ from gateway.core.topics.subscription import EncodingKey
 from gateway.fronts.rosbridge.publish_frames import FRAMING
 from gateway.sources.source import Qos, Sample
 from tests.client import eventually
-from tests.core.conftest import Bench, Socketless
+from tests.core.conftest import GRID, STRING, Bench, Socketless
 from tests.core.topics.test_encoding import text_in
 from tests.wire import untagged, websocket_frames
 
-GRID = "nav_msgs/msg/OccupancyGrid"
-STRING = "std_msgs/msg/String"
 NUMBERS = "std_msgs/msg/Float64MultiArray"
 LATCHED = Qos(durability="transient_local", depth=1)
 CELLS = [-1, 0, 100] * 100_000

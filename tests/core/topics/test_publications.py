@@ -5,10 +5,7 @@ import pytest
 
 from gateway.sources.source import Sample
 from tests.client import eventually
-from tests.core.conftest import Bench
-
-STRING = "std_msgs/msg/String"
-TWIST = "geometry_msgs/msg/Twist"
+from tests.core.conftest import STRING, TWIST, Bench
 
 
 def listen(bench: Bench, topic: str, type_name: str) -> list[dict]:

@@ -16,10 +16,8 @@ from gateway.codec.picture import pixel_maker
 from gateway.core.topics import published_pictures
 from gateway.sources.source import Sample
 from tests.client import eventually
-from tests.core.conftest import LIMITS, Bench, Socketless
+from tests.core.conftest import IMAGE, LIMITS, TWIST, Bench, Socketless
 
-IMAGE = "sensor_msgs/msg/Image"
-TWIST = "geometry_msgs/msg/Twist"
 TOPIC = "/screen"
 COLOURS = np.random.default_rng(1).integers(0, 256, (6, 8, 3), np.uint8)
 

@@ -10,12 +10,11 @@ import pytest
 from gateway.codec.grid_picture import GRID
 from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
 from tests.client import Frame
-from tests.core.conftest import Bench, Socketless
+from tests.core.conftest import ODOMETRY, Bench, Socketless
 
 WIDTH, HEIGHT = 320, 240
 PIXELS = np.random.default_rng(1).integers(0, 255, (HEIGHT, WIDTH, 3), dtype=np.uint8)
 SLOW = 50e3
-ODOMETRY = "nav_msgs/msg/Odometry"
 
 
 class Camera:

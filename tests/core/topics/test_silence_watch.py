@@ -12,9 +12,8 @@ from gateway.core.topics.subscription import Subscription
 from gateway.sources.source import Qos
 from tests.client import Frame
 from tests.clock import StoppedClock
-from tests.core.conftest import Bench, Socketless
+from tests.core.conftest import STRING, Bench, Socketless
 
-STRING = "std_msgs/msg/String"
 INT32 = "std_msgs/msg/Int32"
 SECOND = 1_000_000_000
 

@@ -7,11 +7,9 @@ import pytest
 
 from gateway.sources.source import Qos, RosError
 from tests.client import eventually
-from tests.core.conftest import Bench
+from tests.core.conftest import ODOMETRY, STRING, Bench
 
-STRING = "std_msgs/msg/String"
 MANY = "at most 4 subscriptions per client: end one, or raise limits.max_subscriptions"
-ODOMETRY = "nav_msgs/msg/Odometry"
 LATCHED = Qos(durability="transient_local", depth=1)
 
 
@@ -247,14 +245,6 @@ async def test_an_offer_that_does_not_match_is_told_to_everyone_concerned(bench:
         (status,) = await client.sees(1, "status")
         assert status["code"] == "qos_incompatible"
         assert "best_effort" in status["msg"]
-
-
-async def test_a_broken_sample_is_reported_once_and_harms_nothing(bench: Bench):
-    client = bench.listener("/chatter", STRING)
-    for cdr in (b"\0\1\0\0\xff\xff\xff\xff", b"\0\1\0\0\xff\xff\xff\xff", bench.cdr(STRING)):
-        bench.ros.publish("/chatter", cdr)
-    await client.sees(1)
-    assert [code for code, _ in client.statuses] == ["invalid_value"]
 
 
 async def test_samples_that_a_paused_client_loses_are_never_decoded(bench: Bench):
@@ -567,18 +557,6 @@ async def test_kept_samples_are_forgotten_once_the_topic_is_volatile(bench: Benc
     late = bench.sender(op="subscribe", topic="/map")
     await bench.settle()
     assert late.messages == []
-
-
-async def test_clients_of_one_rendition_share_its_bytes(bench: Bench):
-    bench.ros.add_publisher("/chatter", STRING)
-    clients = [bench.client() for _ in range(3)]
-    for client in clients:
-        client.send(op="subscribe", topic="/chatter")
-    clients[2].send(op="subscribe", topic="/chatter", fields=["data"])
-    bench.say("/chatter", "encoded once")
-    for client in clients:
-        await client.sees(1)
-    assert clients[0].wires[-1] is clients[1].wires[-1]
 
 
 async def test_unsubscribing_a_throttled_topic_delivers_nothing_more(bench: Bench):

@@ -96,14 +96,6 @@ class Heard:
         return self._texts
 
 
-def test_subscriptions_with_one_encoding_share_the_bytes(topic: Topic):
-    one, other = subscription(), subscription()
-    for each in (one, other):
-        topic.add(each, PLAIN)
-    topic._on_samples([sample("x")])
-    assert one.session.outbox.take(1000)[0] is other.session.outbox.take(1000)[0]
-
-
 def test_a_topic_is_idle_until_its_first_and_after_its_last_subscription(topic: Topic):
     assert topic.is_idle
     one, other = subscription(), subscription()

@@ -7,10 +7,7 @@ from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig, OperatorConfig
 from gateway.fronts.rosbridge.help import DOCS
 from gateway.fronts.rosbridge.operations import OPERATIONS
-from tests.core.conftest import Bench
-
-ODOMETRY = "nav_msgs/msg/Odometry"
-STRING = "std_msgs/msg/String"
+from tests.core.conftest import ODOMETRY, Bench
 
 
 def tried(client):

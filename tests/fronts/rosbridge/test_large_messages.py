@@ -15,9 +15,8 @@ import pytest
 
 from gateway.sources.source import RosError, Sample
 from tests.client import eventually
-from tests.core.conftest import Bench, Socketless
+from tests.core.conftest import GRID, Bench, Socketless
 
-GRID = "nav_msgs/msg/OccupancyGrid"
 SIZES = [(604, 307), (400, 400), (1006, 1674)]  # of the maps of Nav2
 Way = Callable[[Socketless, int, int, bytes], None]
 

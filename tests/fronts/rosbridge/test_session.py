@@ -45,6 +45,13 @@ class Client:
         ]
 
 
+def answer_to(**operation):
+    client = Client()
+    client.send(**operation)
+    (answer,) = client.answers
+    return answer
+
+
 CALL = {"op": "call_service", "id": "c", "service": "set_bool"}
 GOAL = {"op": "send_action_goal", "id": "g", "action": "fibonacci"}
 
@@ -92,9 +99,7 @@ def test_a_goal_that_cannot_be_parsed_gets_its_result():
     ],
 )
 def test_an_operation_without_a_name_is_also_answered(operation, answer_op):
-    client = Client()
-    client.send(**operation)
-    (answer,) = client.answers
+    answer = answer_to(**operation)
     assert (answer["op"], answer["id"], answer["result"]) == (answer_op, "c", False)
 
 
@@ -114,9 +119,7 @@ def test_the_queue_of_a_client_is_bounded_by_its_limit():
 
 
 def test_the_id_and_the_name_of_an_unknown_operation_come_back_truncated():
-    client = Client()
-    client.send(op="x" * 300, id="y" * 300)
-    (answer,) = client.answers
+    answer = answer_to(op="x" * 300, id="y" * 300)
     assert answer["id"] == "y" * 256
     assert f"op: '{'x' * 125}...' is unknown" in answer["msg"]
 
@@ -266,9 +269,7 @@ def test_an_incomplete_message_is_answered_when_the_next_one_comes():
 
 @pytest.mark.parametrize("op", ["pong", "PING", "Ping"])
 def test_an_unknown_operation_is_answered_with_the_nearest_in_capitals_too(op):
-    client = Client()
-    client.send(op=op)
-    (answer,) = client.answers
+    answer = answer_to(op=op)
     assert answer["msg"] == f"op: {op!r} is unknown; did you mean ping?"
 
 
@@ -335,9 +336,9 @@ def test_an_unknown_operation_is_answered_with_the_nearest_in_capitals_too(op):
     ],
 )
 def test_an_error_names_its_place(operation, text):
-    client = Client()
-    client.send(**{"node": "/a"} | operation if "parameters" in operation["op"] else operation)
-    (answer,) = client.answers
+    answer = answer_to(
+        **{"node": "/a"} | operation if "parameters" in operation["op"] else operation
+    )
     assert answer["msg"] == text
 
 

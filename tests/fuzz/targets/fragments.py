@@ -8,7 +8,6 @@ from gateway.fronts.rosbridge.fragments import (
     MAX_PIECES,
     MAX_REFUSED,
     Assembly,
-    split,
 )
 from gateway.fronts.rosbridge.operations.fragment import Fragment
 from tests.fuzz.choices import Choices
@@ -19,15 +18,8 @@ SIZES = (0, 1, 2, 3, 4, MAX_PIECES, MAX_PIECES + 1, 2**62)
 
 
 def run(data: bytes) -> None:
-    choices = Choices(data)
-    if choices.byte() % 2:
-        assemble(choices)
-    else:
-        come_back(choices)
-
-
-def assemble(choices: Choices) -> None:
     """Send pieces, and keep account of those that are accepted."""
+    choices = Choices(data)
     assembly = Assembly(MAX_BYTES)
     now_ns = 0
     while not choices.is_over:
@@ -68,38 +60,18 @@ def assemble(choices: Choices) -> None:
         check(all(len(each.missing) <= MAX_PIECES for each in assembly._refused.values()))
 
 
-def come_back(choices: Choices) -> None:
-    """Split a text as for a client, and send the pieces back in another order."""
-    size = 1 + choices.below(40)
-    turn = choices.byte()
-    text = choices.rest().decode("utf-8", "replace").encode()
-    pieces = split(text, size, "x")
-    if len(pieces) == 1 and pieces[0] == text:
-        check(len(text.decode()) <= size)
-        return
-    fragments = [Fragment.model_validate_json(piece) for piece in pieces]
-    check(all(len(each.data) <= size for each in fragments))
-    if len(fragments) > MAX_PIECES:
-        return
-    at = turn % len(fragments)
-    assembly = Assembly(len(text))
-    got = [assembly.add(each, 0) for each in fragments[at:][::-1] + fragments[:at]]
-    check(got == [None] * (len(got) - 1) + [text], "does not come back")
-
-
 def piece(number_of_id: int, number: int, number_of_total: int, size: int) -> bytes:
     return bytes((0, 0, number_of_id, number, number_of_total, size)) + b"a" * size
 
 
 def corpus() -> list[bytes]:
     return [
-        b"\x00\x08\x02" + "grüße, 🤖 and more of it".encode(),
-        b"\x01" + b"\x00\x00\x00\x01\x02\x05hello" + b"\x00\x00\x00\x00\x02\x02hi",
-        b"\x01" + b"".join(piece(id_, 0, 2, 3) for id_ in range(6)),
-        b"\x01" + b"".join(piece(0, number, 4, 23) for number in range(4)),
-        b"\x01" + b"".join(piece(id_, 0, 5, 23) + piece(id_, 1, 5, 23) for id_ in range(7)),
-        b"\x01" + b"".join(piece(id_, 0, 5, 20) for id_ in (*range(7), *range(7), *range(7))),
-        b"\x01" + b"\x00\x00\x00\x00\x02\x17" + b"a" * 23 + b"\x03\xff\x00\x01\x02\x01b",
+        b"\x00\x00\x00\x01\x02\x05hello" + b"\x00\x00\x00\x00\x02\x02hi",
+        b"".join(piece(id_, 0, 2, 3) for id_ in range(6)),
+        b"".join(piece(0, number, 4, 23) for number in range(4)),
+        b"".join(piece(id_, 0, 5, 23) + piece(id_, 1, 5, 23) for id_ in range(7)),
+        b"".join(piece(id_, 0, 5, 20) for id_ in (*range(7), *range(7), *range(7))),
+        b"\x00\x00\x00\x00\x02\x17" + b"a" * 23 + b"\x03\xff\x00\x01\x02\x01b",
     ]
 
 

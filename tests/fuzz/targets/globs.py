@@ -2,7 +2,6 @@
 """Patterns of names, tokens, and the headers that say who a client is."""
 
 import ipaddress
-import re
 
 from websockets.datastructures import Headers
 from websockets.exceptions import InvalidHeader
@@ -13,6 +12,7 @@ from gateway.access.tokens import TokenFileError, from_json, to_json
 from gateway.access.web_rules import WebRules, is_plain
 from gateway.transport.forwarded import client_address
 from gateway.transport.http import offered_subprotocols
+from tests.access.test_globs import takes
 from tests.fuzz.choices import Choices
 from tests.fuzz.target import Target, check
 
@@ -43,7 +43,7 @@ def match_globs(choices: Choices) -> None:
     name = "".join("/" + (segment(choices) or "a") for _ in range(1 + choices.below(6)))
     pattern = compile_globs(globs)
     got = pattern is not None and pattern.fullmatch(name) is not None
-    expected = any(matches(each, name) for each in globs)
+    expected = any(takes(each, name) for each in globs)
     check(got == expected, globs, name)
 
 
@@ -58,24 +58,6 @@ def pattern(choices: Choices) -> str:
 
 def segment(choices: Choices) -> str:
     return "".join(choices.pick("aab.") for _ in range(choices.below(4)))
-
-
-def matches(glob: str, name: str) -> bool:
-    """Match slowly and obviously: one segment after the other."""
-    return follow(("/**" if glob == "**" else glob).split("/")[1:], name.split("/")[1:])
-
-
-def follow(globs: list[str], names: list[str]) -> bool:
-    if not globs:
-        return not names
-    first, *others = globs
-    if first == "**":
-        least = 0 if others else 1
-        return any(follow(others, names[skipped:]) for skipped in range(least, len(names) + 1))
-    if not names:
-        return False
-    expression = ".*".join(map(re.escape, first.split("*")))
-    return re.fullmatch(expression, names[0]) is not None and follow(others, names[1:])
 
 
 def read_tokens(text: bytes) -> None:
