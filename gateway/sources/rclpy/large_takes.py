@@ -4,7 +4,7 @@
 import contextlib
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Final
+from typing import Final, NamedTuple
 
 from rclpy.subscription import Subscription
 
@@ -37,27 +37,43 @@ class LargeTakes:
         """Wait for the take that may be going on. The others never start."""
         self._thread.shutdown(wait=True, cancel_futures=True)
 
-    def _run(
-        self, take: "LargeTake", subscription: Subscription, message_class: type
-    ) -> list[Sample]:
-        samples: list[Sample] = []
-        while take.is_wanted and len(samples) < TAKES_AT_ONCE:
-            try:
-                sample = self._take(subscription, message_class)
-            except RuntimeError:
-                if samples:  # which come first. The error comes again
-                    break
-                raise
-            if sample is None:
+    def _run(self, take: "LargeTake", subscription: Subscription, message_class: type) -> "Taken":
+        return take_up_to(
+            TAKES_AT_ONCE,
+            lambda: self._take(subscription, message_class) if take.is_wanted else None,
+        )
+
+
+class Taken(NamedTuple):
+    """The samples of a turn, and whether there may be more."""
+
+    samples: list[Sample]
+    has_more: bool
+
+
+def take_up_to(most: int, take: Callable[[], Sample | None]) -> Taken:
+    """Take at most so many samples.
+
+    If rcl raises an error, the samples before it are returned. The next take meets the error.
+    """
+    samples: list[Sample] = []
+    while len(samples) < most:
+        try:
+            sample = take()
+        except RuntimeError:
+            if samples:
                 break
-            samples.append(sample)
-        return samples
+            raise
+        if sample is None:
+            return Taken(samples, has_more=False)
+        samples.append(sample)
+    return Taken(samples, has_more=True)
 
 
 class LargeTake:
     """One turn of the thread."""
 
-    result: "Future[list[Sample]]"
+    result: "Future[Taken]"
 
     def __init__(self) -> None:
         self.is_wanted = True
@@ -68,5 +84,5 @@ class LargeTake:
         if self.result.cancel():
             return []
         with contextlib.suppress(RuntimeError):  # of rcl: there is no sample
-            return self.result.result()
+            return self.result.result().samples
         return []

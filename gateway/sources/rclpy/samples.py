@@ -13,9 +13,9 @@ from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.sources.rclpy.creating import group_of_one
 from gateway.sources.rclpy.large_takes import (
     LARGE_SAMPLE_BYTES,
-    TAKES_AT_ONCE,
     LargeTake,
     LargeTakes,
+    take_up_to,
 )
 from gateway.sources.rclpy.lost_samples import NO_NUMBER, LostSamples
 from gateway.sources.rclpy.rclpy_private import message_taker, sample_taker
@@ -155,42 +155,50 @@ class Reader:
             self._take_large()
             return
         samples = self._take()
-        if len(samples) == MAX_TAKES_PER_TURN:
-            self._source.notify_again()  # there may be more
         if samples:
             self._are_large = len(samples[-1].cdr) >= LARGE_SAMPLE_BYTES
             self._on_samples(samples)
 
     def _take(self) -> list[Sample]:
-        """Take until empty, whatever was counted: one arrival may complete several samples."""
+        """Take until empty, whatever was counted: one arrival may complete several samples.
+
+        If rcl raises an error, the samples before it come first. The next take meets the error.
+        """
         if self._tells_publishers:
-            return self._note_numbers(self._take_with_publishers())
+            return self._take_with_publishers()
         take = self._take_message
         message_class = self._message_class
         expected = self._expected
         samples: list[Sample] = []
-        while len(samples) < MAX_TAKES_PER_TURN:
-            taken = take(message_class, True)  # True: raw
-            if taken is None:
-                break
-            cdr, info = taken
-            received_ns, source_ns = info["received_timestamp"], info["source_timestamp"]
-            number = info["publication_sequence_number"]
-            if number != expected:
-                expected = self.lost.jump(expected, number)
-            expected += 1
-            samples.append(Sample(cdr, received_ns, source_ns, number))
+        try:
+            while len(samples) < MAX_TAKES_PER_TURN:
+                taken = take(message_class, True)  # True: raw
+                if taken is None:
+                    break
+                cdr, info = taken
+                received_ns, source_ns = info["received_timestamp"], info["source_timestamp"]
+                number = info["publication_sequence_number"]
+                if number != expected:
+                    expected = self.lost.jump(expected, number)
+                expected += 1
+                samples.append(Sample(cdr, received_ns, source_ns, number))
+            else:
+                self._source.notify_again()  # there may be more
+        except RuntimeError:
+            if not samples:
+                raise
+            self._source.notify_again()
         self._expected = expected
         return samples
 
     def _take_with_publishers(self) -> list[Sample]:
-        samples: list[Sample] = []
-        for _ in range(MAX_TAKES_PER_TURN):
-            sample = self._take_with_publisher(self._subscription, self._message_class)
-            if sample is None:
-                break
-            samples.append(sample)
-        return samples
+        taken = take_up_to(
+            MAX_TAKES_PER_TURN,
+            lambda: self._take_with_publisher(self._subscription, self._message_class),
+        )
+        if taken.has_more:
+            self._source.notify_again()
+        return self._note_numbers(taken.samples)
 
     def _note_numbers(self, samples: list[Sample]) -> list[Sample]:
         for sample in samples:
@@ -222,13 +230,14 @@ class Reader:
         if self._asks_again:
             self._source.notify_again()
         try:
-            samples = large.result.result()
+            taken = large.result.result()
         except RuntimeError:
             self._are_large = False  # the loop tries
-            raise
-        if len(samples) == TAKES_AT_ONCE:
             self._source.notify_again()
-        self._finish(samples)
+            raise
+        if taken.has_more:
+            self._source.notify_again()
+        self._finish(taken.samples)
 
     def _finish(self, samples: list[Sample]) -> None:
         """Deliver what the thread has taken."""

@@ -12,5 +12,5 @@ def test_four_samples_are_taken_at_once_however_many_there_are():
     takes = LargeTakes()
     takes._take = lambda *_: Sample(b"", 0, 0, 1)
     take = takes.start(cast("Any", None), object, lambda: None)
-    assert len(take.result.result(TIMEOUT_S)) == 4
+    assert len(take.result.result(TIMEOUT_S).samples) == 4
     takes.close()

@@ -20,7 +20,7 @@ from gateway.sources.rclpy.large_takes import LARGE_SAMPLE_BYTES
 from gateway.sources.rclpy.profile import to_profile
 from gateway.sources.rclpy.qos import adopt
 from gateway.sources.rclpy.ready_events import ReadyEvents
-from gateway.sources.rclpy.samples import Samples
+from gateway.sources.rclpy.samples import Reader, Samples
 from gateway.sources.source import MAX_TAKES_PER_TURN, Qos, Sample
 from tests.client import TIMEOUT_S, eventually
 from tests.sources.nodes import open_node
@@ -345,6 +345,43 @@ async def test_after_a_failed_take_the_loop_takes_the_samples_that_have_come(sam
     held.let.release()
     await eventually(lambda: len(received) == 2)
     assert raised == [held.error]
+    reader.close()
+
+
+def takes(one: object) -> Any:
+    """Return a function that takes five, of which the third comes at the second attempt."""
+    results = iter([one, one, RuntimeError("no memory"), one, one, one])
+
+    def take(*_: object) -> object:
+        result = next(results, None)
+        if isinstance(result, Exception):
+            raise result
+        return result
+
+    return take
+
+
+def by_the_thread(reader: Reader, samples: Samples) -> None:
+    reader._are_large = True
+    samples.large_takes._take = takes(Sample(bytes(LARGE_SAMPLE_BYTES), 0, 0, 1))
+
+
+def on_the_loop(reader: Reader, samples: Samples) -> None:
+    reader._take_message = takes((CDR, INFO))
+
+
+def with_publishers(reader: Reader, samples: Samples) -> None:
+    reader._take_with_publisher = takes(Sample(CDR, 0, 0, 1))
+    reader.deliver_to(reader._on_samples, with_publishers=True)
+
+
+@pytest.mark.parametrize("take", [by_the_thread, on_the_loop, with_publishers])
+async def test_samples_before_and_behind_a_failed_take_are_delivered(take, samples):
+    received: list[Sample] = []
+    reader = samples.read(CLASS, "/map", to_profile(adopt(Qos(), ())), received.extend)
+    take(reader, samples)
+    reader._source.notify_again()
+    await eventually(lambda: len(received) == 5)
     reader.close()
 
 
