@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """One command topic at run time: its drive, its publisher, its guard, and its clients."""
 
-import asyncio
 import logging
 import time
-from collections import Counter
 from collections.abc import Callable, Hashable, Iterable
 from typing import Any, Final
 
 from gateway.access.audit import Audit
 from gateway.codec.types import MessageType
+from gateway.core.commands.clients import Driver, Watchers
 from gateway.core.commands.drive_audit import DriveAudit
-from gateway.core.commands.driver import Driver
+from gateway.core.commands.drive_timer import DriveTimer
+from gateway.core.commands.topic_guard import TopicGuard
 from gateway.core.commands.twist_values import TwistValues
 from gateway.core.errors import ProtocolError
 from gateway.core.names import TopicName
@@ -43,8 +43,6 @@ from gateway.sources.source import Publisher, Qos, Ros, RosError, TopicEvent
 # Reliable, because a zero must arrive. Only the newest goes out, and not when it is old. Nothing is
 # retained: a base that restarts must not get the last command from before.
 COMMAND_QOS: Final = Qos("reliable", "volatile", "keep_last", 1, lifespan_ns=LIFESPAN_NS)
-# Between two `control` frames: a client that toggles must not fill the others' queues.
-NOTICE_S: Final = 0.05
 
 logger = logging.getLogger(__name__)
 
@@ -72,26 +70,18 @@ class CommandTopic:
         self.name = name
         self._report = report
         self._counts = counts
-        self._stops: Counter[str] = Counter()
         self.message_type: MessageType | None = None  # while it is open
         self.drivers: dict[Session, Driver] = {}
-        self.watchers: set[Session] = set()
+        self.watchers = Watchers(self._send_state)
         self._ros = ros
-        self._guard = guard
+        self._guard = TopicGuard(name, guard, ros, self._on_guard)
         self._audit = DriveAudit(audit, name)
         self._now_ns = now_ns
         self._rules = rules
         self._drive = Drive(name, rules)
         self._publisher: Publisher | None = None
-        self._guarded_type: str | None = None
-        self._readers: frozenset[str] = frozenset()  # that ROS knows
         self._frame_id = ""
-        self._is_guarded = False
-        self._has_failed = False  # the last command, on its way out
-        self._timer: asyncio.TimerHandle | None = None
-        self._timer_ns = 0
-        self._notice: asyncio.TimerHandle | None = None
-        self._is_closed = False
+        self._timer = DriveTimer(self._tick)
 
     @property
     def is_open(self) -> bool:
@@ -111,11 +101,12 @@ class CommandTopic:
         Raises:
             RosError: ROS refuses it.
         """
-        self.prepare(message_type.name)
+        self._guard.prepare(message_type.name)
         publisher = self._ros.publishing.advertise(
             self.name, message_type.name, COMMAND_QOS, self._on_event
         )
-        self._look_for_readers()  # before it is open: nobody drives yet, so a stop would close it
+        # before it is open: nobody drives yet, so a stop would close it
+        self._guard.look_for_readers()
         self._publisher, self.message_type = publisher, message_type
 
     def _on_event(self, event: TopicEvent) -> None:
@@ -129,34 +120,13 @@ class CommandTopic:
         for session in list(self.drivers):
             session.warn(warning(event, session), Advertise(topic=self.name, type=""))
 
-    def prepare(self, type_name: str) -> None:
-        """Have the guard open its publisher of a type, unless it has."""
-        if type_name == self._guarded_type:
-            return
-        if self._guarded_type is not None:
-            self._guard.close(self.name)
-        self._guarded_type = type_name
-        self._apply(self._drive.set_guard("starting", self._now_ns()))
-        self._readers = self._ros.publishing.readers(self.name)
-        self._guard.open(self.name, type_name, self._readers, self._on_guard)
-
     def on_graph_change(self, types: tuple[str, ...]) -> None:
         """Have the guard prepare for the listeners. *types* are those that ROS knows."""
-        if self._guarded_type is None or (not self.is_open and types != (self._guarded_type,)):
-            if len(types) == 1 and types[0] in COMMAND_TYPES:
-                self.prepare(types[0])
-            return
-        self._look_for_readers()
-
-    def _look_for_readers(self) -> None:
-        """Stop for a new subscription of another node, and have the guard prepare for it.
-
-        It may be a robot's, which does not move until the joystick is released.
-        """
-        known, self._readers = self._readers, self._ros.publishing.readers(self.name)
-        if self._guarded_type is not None and not self._readers <= known:
-            self._apply(self._drive.set_guard("starting", self._now_ns()))
-            self._guard.open(self.name, self._guarded_type, self._readers, self._on_guard)
+        known = self._guard.type_name
+        if known is not None and (self.is_open or types == (known,)):
+            self._guard.look_for_readers()
+        elif len(types) == 1 and types[0] in COMMAND_TYPES:
+            self._guard.prepare(types[0])
 
     def driver(self, session: Session) -> Driver:
         """Return the part of a client in an open topic. A new client gets one."""
@@ -215,8 +185,6 @@ class CommandTopic:
         self._forget(session)
         self._close_if_idle()
 
-    # The event loop
-
     def end_turn(self) -> None:
         """Send the newest command of the turn."""
         self._apply(self._drive.end_turn(self._now_ns()))
@@ -228,22 +196,14 @@ class CommandTopic:
     def close(self) -> None:
         """Send a last zero if a stop is under way, and release everything."""
         self.shut_down()
-        self._is_closed = True
+        self._timer.close()
         self.drivers.clear()
-        self.watchers.clear()
-        for timer in (self._timer, self._notice):
-            if timer:
-                timer.cancel()
-        self._timer = self._notice = None
-        if self._is_guarded:
+        self.watchers.close()
+        if self._guard.is_watching:
             self._apply([Send(ZERO)])
-            self._rest()
+            self._guard.rest()
         self._close()
-        if self._guarded_type is not None and not self._is_guarded:
-            self._guard.close(self.name)
-            self._guarded_type = None
-
-    # State
+        self._guard.close()
 
     def state(self, session: Session) -> dict[str, Any]:
         """Return the fields of a `control` frame for a client."""
@@ -257,7 +217,7 @@ class CommandTopic:
             "tripped": status.is_tripped,
             "cause": status.cause,
             "holder": holder,
-            "guard": status.guard if self._guarded_type else None,
+            "guard": status.guard if self._guard.type_name else None,
             "deadline_s": self._rules.deadline_ns / 1e9,
             "lease_s": self._rules.lease_ns / 1e9,
         }
@@ -271,35 +231,28 @@ class CommandTopic:
             is_tripped=status.is_tripped,
             cause=None if status.cause is None else CAUSE_TEXTS[status.cause],
             is_leased=status.holder is not None,
-            listeners=len(self._readers),
-            is_guarded=self._guarded_type is not None and status.guard == "ready",
-            stops=dict(self._stops),
+            listeners=len(self._guard.readers),
+            is_guarded=self._guard.type_name is not None and status.guard == "ready",
+            stops=dict(self._audit.stops),
         )
 
-    def _notify(self) -> None:
-        if self.watchers and self._notice is None:
-            loop = asyncio.get_running_loop()
-            self._notice = loop.call_later(NOTICE_S, self._send_notices)
-
-    def _send_notices(self) -> None:
-        self._notice = None
-        for session in list(self.watchers):
-            session.answer("control", None, **self.state(session))
+    def _send_state(self, session: Session) -> None:
+        session.answer("control", None, **self.state(session))
 
     # The effects of the drive
 
     def _apply(self, effects: Iterable[Effect]) -> None:
         if self._drive.waits_for_proof:
-            self._guard.prove(self.name, self._stamp_offset_ns(), self._frame_id)
+            self._guard.prove(self._stamp_offset_ns(), self._frame_id)
         for effect in effects:
             try:
                 self._carry_out(effect)
             except Exception:  # our bug: it delays nothing else, least of all another stop
                 logger.exception("a command topic failed", extra={"topic": self.name})
         if not self._drive.needs_guard:
-            self._rest()
+            self._guard.rest()
         self._close_if_idle()  # also after the zeros of a stop while nothing moved
-        self._set_timer()
+        self._timer.set(self._drive.due_ns)
 
     def _carry_out(self, effect: Effect) -> None:
         match effect:
@@ -309,35 +262,21 @@ class CommandTopic:
                 self._refuse(effect)
             case Clamped():
                 self._tell_clamped(effect)
-            case Stopped(cause):
-                self._stops[cause] += 1
-                level = logging.WARNING if effect.is_tripped else logging.DEBUG
-                extra: dict[str, str] = {"topic": self.name}
-                if isinstance(effect.client, Session):
-                    extra["client"] = effect.client.client
-                logger.log(level, "stopped: %s", CAUSE_TEXTS[cause], extra=extra)
-                self._audit.record("stop", effect.client, cause=cause, tripped=effect.is_tripped)
+            case Stopped():
+                self._audit.stop(effect)
             case Changed():
                 self._audit.hold(self._drive.status.holder)
-                self._notify()
-
-    def _rest(self) -> None:
-        """Let the guard rest, unless the last zero has not gone out: then it stops the robot."""
-        if self._is_guarded and not self._has_failed:
-            self._is_guarded = False
-            self._guard.rest(self.name)
+                self.watchers.notify()
 
     def _publish(self, effect: Send) -> None:
         if self._publisher is None or self.message_type is None:
             return
         publisher, type_name = self._publisher, self.message_type.name
         is_zero = effect.velocity.is_zero
-        if self._is_guarded or not is_zero:
-            self._is_guarded = True
-            self._guard.moving(self.name, self._stamp_offset_ns(), self._frame_id)
+        self._guard.announce(self._stamp_offset_ns(), self._frame_id, is_zero=is_zero)
         if not is_zero and publisher.new_matches():
-            self._look_for_readers()  # before the graph has reported it
-        self._has_failed = True
+            self._guard.look_for_readers()  # before the graph has reported it
+        self._guard.will_send()
         stamp_ns = self._ros.now_ns() if type_name == TWIST_STAMPED else 0
         cdr = encode(type_name, effect.velocity, stamp_ns, self._frame_id)
         # The guard was found lost just now, a robot has joined, or the gateway stood still here and
@@ -346,11 +285,11 @@ class CommandTopic:
             return
         try:
             publisher.publish(cdr)
-            self._has_failed = False
+            self._guard.has_sent()
         except RosError as error:
             logger.error("%s", error, extra={"topic": self.name})
         if not is_zero and publisher.new_matches():
-            self._look_for_readers()  # one that was just found hears a zero at once
+            self._guard.look_for_readers()  # one that was just found hears a zero at once
 
     def _stamp_offset_ns(self) -> int:
         """Return ROS time less the monotonic clock, if messages have a stamp."""
@@ -394,19 +333,8 @@ class CommandTopic:
     def _on_guard(self, state: GuardState) -> None:
         self._apply(self._drive.set_guard(state, self._now_ns()))
 
-    def _set_timer(self) -> None:
-        due_ns = self._drive.due_ns
-        if self._is_closed or due_ns is None or (self._timer and self._timer_ns <= due_ns):
-            return  # a timer that comes too early sets the next
-        if self._timer:
-            self._timer.cancel()
-        delay_s = max(0.0, (due_ns - time.monotonic_ns()) / 1e9)
-        self._timer = asyncio.get_running_loop().call_later(delay_s, self._on_timer)
-        self._timer_ns = due_ns
-
-    def _on_timer(self) -> None:
-        self._timer = None
-        self._apply(self._drive.tick(time.monotonic_ns()))
+    def _tick(self, now_ns: int) -> None:
+        self._apply(self._drive.tick(now_ns))
 
     def _close_if_idle(self) -> None:
         if self.is_open and not self.drivers and not self._drive.needs_guard:

@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lines of the audit log about one command topic."""
+"""The lines of the logs about one command topic."""
 
+import logging
+from collections import Counter
 from collections.abc import Hashable
 
 from gateway.access.audit import Audit, AuditValue
 from gateway.core.names import TopicName
 from gateway.core.session import Session
+from gateway.drive.effects import Stopped
+from gateway.drive.refusals import CAUSE_TEXTS
+
+logger = logging.getLogger(__name__)
 
 
 class DriveAudit:
@@ -15,6 +21,7 @@ class DriveAudit:
         self._audit = audit
         self._topic = topic
         self._holder: Hashable | None = None
+        self.stops: Counter[str] = Counter()  # by their cause
 
     def hold(self, holder: Hashable | None) -> None:
         """Record who has control, if that has changed."""
@@ -22,6 +29,16 @@ class DriveAudit:
             self._holder = holder
             if holder is not None:
                 self.record("control_taken", holder)
+
+    def stop(self, stopped: Stopped) -> None:
+        """Record and count a stop."""
+        self.stops[stopped.cause] += 1
+        level = logging.WARNING if stopped.is_tripped else logging.DEBUG
+        extra: dict[str, str] = {"topic": self._topic}
+        if isinstance(stopped.client, Session):
+            extra["client"] = stopped.client.client
+        logger.log(level, "stopped: %s", CAUSE_TEXTS[stopped.cause], extra=extra)
+        self.record("stop", stopped.client, cause=stopped.cause, tripped=stopped.is_tripped)
 
     def record(self, event: str, client: Hashable | None, **values: AuditValue) -> None:
         """Record an event, and whom it concerns."""

@@ -13,7 +13,7 @@ import pytest
 
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig, OperatorConfig
-from gateway.core.commands import command_topic, commands
+from gateway.core.commands import command_topic, commands, drive_timer
 from gateway.core.commands.command_topic import COMMAND_QOS
 from gateway.drive import twist_cdr
 from gateway.drive.drive import Drive
@@ -38,7 +38,7 @@ async def clock(monkeypatch: pytest.MonkeyPatch) -> StoppedClock:
     """Stop the time of the command topics with that of the loop."""
     clock, loop = StoppedClock(monkeypatch), asyncio.get_running_loop()
     stopped = SimpleNamespace(monotonic_ns=lambda: round(loop.time() * 1e9))
-    for module in (command_topic, commands):
+    for module in (command_topic, commands, drive_timer):
         monkeypatch.setattr(module, "time", stopped)
     return clock
 
