@@ -103,8 +103,8 @@ class Status:
 class Rules:
     """The configured rules, see `gateway.config.control`."""
 
-    deadline_ns: int = 500_000_000
-    lease_ns: int = 2_000_000_000
-    max_linear: float = 10.0
-    max_angular: float = 10.0
-    first_command: Literal["any", "zero"] = "any"
+    deadline_ns: int
+    lease_ns: int
+    max_linear: float
+    max_angular: float
+    first_command: Literal["any", "zero"]

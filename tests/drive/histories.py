@@ -15,6 +15,7 @@ A history is read from the left. Its steps are what comes in, and what must have
 """
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 from gateway.drive.drive import Drive
 from gateway.drive.effects import Changed, Command, Effect, Refused, Rules, Send, Stopped
@@ -22,6 +23,7 @@ from gateway.drive.velocity import ZERO, Velocity
 
 MS = 1_000_000
 AHEAD = Velocity(linear_x=0.2)
+RULES = Rules(500 * MS, 2000 * MS, max_linear=10.0, max_angular=10.0, first_command="any")
 VELOCITIES = {
     "zero": ZERO,
     "go": AHEAD,
@@ -51,7 +53,7 @@ class Stage:
     """A drive, its clock, and what came out of it."""
 
     def __init__(self, guard: str = "ready", **rules: object) -> None:
-        self.drive = Drive("/cmd_vel", Rules(**rules), guard)  # type: ignore[arg-type]
+        self.drive = Drive("/cmd_vel", replace(RULES, **rules), guard)  # type: ignore[arg-type]
         self.now = 1_000_000 * MS
         self.out: list[Effect] = []
         self.is_in_turn = False

@@ -45,6 +45,7 @@ HISTORIES = {
     ),
     "a refusal says what to send": TRIPPED + 'go says=send_a_zero_command_("msg":{})',
     "a refusal says what has happened": TRIPPED + "go says=commands_stopped_arriving",
+    "a refusal during a reset says it too": TRIPPED + "zero go says=commands_stopped_arriving",
     "a stream of zeros resets while it lasts": TRIPPED + "zeros=6 go >zero*6,go",
     **{
         f"a backlog does not move the robot though there are zeros in it, {wait} after": (
@@ -83,6 +84,18 @@ HISTORIES = {
     },
     "a backlog whose first segment is one command moves until the next one comes": (
         f"go 20ms [ go*{BACKLOG + 4} ] causes=backlog >go,zero is=tripped"
+    ),
+    "after 250 ms of commands many at once are no backlog": (
+        f"go 250ms [ go*{BACKLOG + 1} ] causes=none is=moving"
+    ),
+    "a command that is proved fresh moves though many zeros came before it": (
+        f"[ zero*{BACKLOG + 1} ] go=fresh causes=none is=moving"
+    ),
+    "a single command 3 ms behind another takes its place": (
+        "go 5000ms forget go 3ms go 1000ms >go,zero*5"
+    ),
+    "a single command closely behind a late one was in a backlog": (
+        "go 1000ms forget go=stale 1ms go 1000ms >"
     ),
     "a few commands at once after a silence go out when time has explained them": (
         f"[ go*{BACKLOG} ] > {(BACKLOG - 1) * 1000 / 120 - 0.1}ms > 0.1ms >go "
@@ -286,6 +299,12 @@ WHILE_THE_GUARD_STARTS = {
     "the last command of a stick waits for the guard for a deadline": (
         "stream=20 refused=none 449ms refused=none "  # longer than one of them may wait
         "1ms refused=tripped " + READY + ">"
+    ),
+    "a client that asks for control keeps its command that waits": (
+        "go acquire refused=none " + READY + ">go"
+    ),
+    "a command a whole deadline after another is not of a joystick": (
+        "go 500ms go 999ms refused=none " + READY + ">go"
     ),
     "a command that waits gets no younger by other events": (
         "go " + "50ms tick " * 20 + "refused=tripped " + READY + ">"

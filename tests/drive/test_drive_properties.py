@@ -21,7 +21,7 @@ from gateway.drive.velocity import ZERO, Velocity
 from gateway.drive.waiting import GUARD_WAIT_NS, HOLD_NS
 
 MS = 1_000_000
-RULES = Rules(max_linear=1.0, max_angular=2.0)
+RULES = Rules(500 * MS, 2000 * MS, max_linear=1.0, max_angular=2.0, first_command="any")
 ASKED = {"zero", "release"}
 CLIENTS = st.sampled_from("abc")
 AGES = st.sampled_from(["unknown", "unknown", "unknown", "fresh", "stale"])

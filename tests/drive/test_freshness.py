@@ -32,6 +32,13 @@ def test_a_faster_command_makes_the_slower_ones_late():
     assert freshness.judge(*at(3500, late_ms=1000)) == "stale"
 
 
+def test_a_command_is_fresh_from_a_second_after_the_first():
+    freshness = Freshness()
+    freshness.judge(*at(0))
+    assert freshness.judge(*at(999)) == "unknown"
+    assert freshness.judge(*at(1000)) == "fresh"
+
+
 def test_a_backlog_right_after_connecting_is_not_fresh():
     freshness = Freshness()
     ages = {freshness.judge(sent_ms, 9 * S) for sent_ms in range(0, 4000, 50)}

@@ -4,6 +4,7 @@
 import pickle
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator
+from dataclasses import replace
 from itertools import product
 from typing import Any, get_args
 
@@ -13,15 +14,16 @@ from gateway.drive import decisions, lease, motion, trip_latch, waiting
 from gateway.drive import drive as drive_module
 from gateway.drive.burst import BACKLOG
 from gateway.drive.drive import Drive
-from gateway.drive.effects import Cause, Command, Effects, GuardState, Rules
+from gateway.drive.effects import Cause, Command, Effects, GuardState
 from gateway.drive.freshness import Age
 from gateway.drive.table import StateTable
 from gateway.drive.velocity import ZERO, Velocity
+from tests.drive.histories import RULES
 
 MS = 1_000_000
 START_NS = 10**12
 AHEAD = Velocity(linear_x=0.2)
-BARRED = Rules(first_command="zero")
+BARRED = replace(RULES, first_command="zero")
 MACHINES: list[tuple[StateTable[Any, Any, Any], type, Any, Any, Any]] = [
     (
         motion.MOTION,
@@ -171,8 +173,8 @@ def test_a_drive_reaches_each_row_and_no_impossible_cell(monkeypatch):
         monkeypatch.setattr(module, attribute, noting(table, seen, name))
         missing |= {(name, state, event) for state, cells in table.items() for event in cells}
 
-    starts = [Drive("/cmd_vel", rules, "ready") for rules in (Rules(), BARRED)]
-    aging = Drive("/cmd_vel", Rules(), "ready")  # the search does not tell its two times apart
+    starts = [Drive("/cmd_vel", rules, "ready") for rules in (RULES, BARRED)]
+    aging = Drive("/cmd_vel", RULES, "ready")  # the search does not tell its two times apart
     for client, velocity, at_ms in (("a", AHEAD, 0), ("a", ZERO, 1000), ("b", AHEAD, 2000)):
         aging.command(Command(client, velocity), START_NS + at_ms * MS)
     for _ in search(starts):

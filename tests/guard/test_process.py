@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The guard process itself, with real ROS and a robot that listens."""
 
+import os
+import signal
 import time
 from collections.abc import Iterator
 
@@ -79,6 +81,26 @@ async def test_the_guard_acts_for_a_silent_gateway_and_not_for_one_that_has_stop
         guard.moving(TOPIC, 0, "")
         guard.rest(TOPIC)
     assert len(heard) == ZEROS
+
+
+async def test_signals_to_the_whole_group_do_not_end_the_guard_before_the_gateway(
+    outside: Outside, monkeypatch
+):
+    monkeypatch.setattr(supervisor, "END_S", TIMEOUT_S)
+    heard: list[Sample] = []
+    outside.add_subscription(TOPIC, TWIST, heard.extend)
+    states: list[GuardState] = []
+    async with guard_process() as guard:
+        guard.open(TOPIC, TWIST, readers(outside), states.append)
+        guard.start()
+        await eventually(lambda: states == ["prepared"])
+        pid = guard.pid
+        assert pid is not None
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            os.kill(pid, number)
+        guard.moving(TOPIC, 0, "")
+    await eventually(lambda: len(heard) == ZEROS)
+    assert states == ["prepared"]
 
 
 async def test_a_type_that_is_not_there_cannot_be_guarded():

@@ -247,6 +247,23 @@ async def test_the_guard_prepares_for_a_robot_before_a_client_drives_it(scene: S
     assert len([each for each in scene.ros.publishers if each.topic == "/cmd_vel"]) == 1
 
 
+async def test_the_guard_prepares_for_each_robot_before_a_client_drives(scene: Scene):
+    scene.listen()
+    await eventually(lambda: scene.guard.verbs == ["open"])
+    scene.listen()
+    await eventually(lambda: scene.guard.verbs == ["open", "open"])
+    assert scene.guard.told[-1] == ("open", "/cmd_vel", TWIST, 2)
+
+
+async def test_the_guard_prepares_for_no_type_that_moves_nothing(scene: Scene):
+    robot = scene.ros.add_subscription("/cmd_vel", "std_msgs/msg/String", lambda samples: None)
+    await scene.settle()
+    robot.close()
+    scene.listen()
+    await eventually(lambda: bool(scene.guard.told))
+    assert scene.guard.told == [("open", "/cmd_vel", TWIST, 1)]
+
+
 async def test_the_guard_follows_another_type(scene: Scene):
     robot = scene.ros.add_subscription("/cmd_vel", TWIST, lambda samples: None)
     await eventually(lambda: scene.guard.verbs == ["open"])
@@ -677,6 +694,17 @@ async def test_a_router_that_closes_in_the_middle_of_a_motion_sends_a_zero(build
     scene.router.close()
     await eventually(lambda: 0.0 in speeds(heard))
     assert scene.guard.verbs[-2:] == ["rest", "close"]
+
+
+async def test_a_router_that_closes_refuses_a_command_that_waits(build: Build):
+    scene = build()
+    scene.listen()
+    scene.guard.is_ready = False
+    client = scene.client()
+    push(client, id=1)
+    await scene.settle()
+    scene.router.close()
+    assert client.statuses[-1] == ("tripped", "topic /cmd_vel: the gateway is shutting down")
 
 
 async def test_without_command_topics_a_twist_is_a_message_like_any_other(build: Build):
