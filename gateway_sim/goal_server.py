@@ -18,8 +18,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 
-from gateway.sources.rclpy import fast_dds, rclpy_private
+from gateway.sources.rclpy import fast_dds
 from gateway.sources.rclpy.goal_ids import with_goal_id
+from gateway.sources.rclpy.rclpy_private.handles import request_taker, response_sender
 from gateway_sim.any_types import AnyAction
 
 MAX_KEPT: Final = 16  # the newest goals that have ended, for clients that ask for a result late
@@ -153,8 +154,8 @@ class GoalServer:
             service_class, name, lambda *_: None, qos_profile=QoSProfile(depth=_SERVICE_DEPTH)
         )
         fast_dds.forget_error()
-        take = rclpy_private.request_taker(service)
-        send = rclpy_private.response_sender(service)
+        take = request_taker(service)
+        send = response_sender(service)
 
         def take_one() -> bool:
             request, info = take(service_class.Request)

@@ -18,7 +18,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from gateway.ending_signals import ENDING
-from gateway.sources.rclpy import fast_dds, rclpy_private
+from gateway.sources.rclpy import fast_dds
+from gateway.sources.rclpy.rclpy_private.handles import events_executor
 
 PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")
 _LONGEST_WAIT_NS: Final = 50_000_000  # the longest delay of a stop, which no person notices
@@ -106,4 +107,4 @@ def stopped_by_signals(stop: threading.Event) -> Iterator[None]:
 
 def _executor(context: Context) -> Executor:
     """Return the executor whose wait costs the same for 5 entities and for 500, if it exists."""
-    return rclpy_private.events_executor(context) or SingleThreadedExecutor(context=context)
+    return events_executor(context) or SingleThreadedExecutor(context=context)

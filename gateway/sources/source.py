@@ -111,7 +111,22 @@ class TopicEvent(NamedTuple):
         return self._replace(problem=self.problem.replace(f" {self.node} ", " a node ", 1), node="")
 
 
-class RosSubscription(Protocol):
+class Watch(Protocol):
+    """A registration of callbacks."""
+
+    def close(self) -> None:
+        """End it. No callback follows. Closing twice is harmless."""
+
+
+class LateReader(Watch, Protocol):
+    """A second ROS subscription, next to an older one."""
+
+    @property
+    def publishers(self) -> int:
+        """The number of publishers that it is matched with."""
+
+
+class RosSubscription(LateReader, Protocol):
     """A ROS subscription that delivers raw samples until closed."""
 
     @property
@@ -119,14 +134,10 @@ class RosSubscription(Protocol):
         """The profile in force, with nothing left to adopt. It may change with the publishers."""
 
     @property
-    def publishers(self) -> int:
-        """The number of publishers that it is matched with."""
-
-    @property
     def lost(self) -> int:
         """The number of samples that were published and never came, as far as that is known."""
 
-    def join_late(self, on_samples: Callable[[Sequence[Sample]], None]) -> "LateReader":
+    def join_late(self, on_samples: Callable[[Sequence[Sample]], None]) -> LateReader:
         """Subscribe once more, with the profile in force, and get what late joiners get.
 
         Close it before this subscription.
@@ -138,20 +149,6 @@ class RosSubscription(Protocol):
     @property
     def incompatible(self) -> tuple[TopicEvent, ...]:
         """The mismatches given to *on_event* that still apply."""
-
-    def close(self) -> None:
-        """Destroy it. No callback follows. Closing twice is harmless."""
-
-
-class LateReader(Protocol):
-    """A second ROS subscription, next to an older one."""
-
-    @property
-    def publishers(self) -> int:
-        """The number of publishers that it is matched with."""
-
-    def close(self) -> None:
-        """Destroy it. No callback follows. Closing twice is harmless."""
 
 
 class Publisher(Protocol):
@@ -168,13 +165,6 @@ class Publisher(Protocol):
 
     def close(self) -> None:
         """Destroy it. Closing twice is harmless."""
-
-
-class Watch(Protocol):
-    """A registration of a callback."""
-
-    def close(self) -> None:
-        """End it. No callback follows. Closing twice is harmless."""
 
 
 class Publishing(Protocol):

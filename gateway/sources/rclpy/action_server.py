@@ -12,12 +12,12 @@ from typing import Any, Final
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 
 from gateway.sources.actions import ABORTED, CANCELED, GoalOutcome, GoalRequest
-from gateway.sources.rclpy import rclpy_private
 from gateway.sources.rclpy.action_forms import ActionForm
 from gateway.sources.rclpy.creating import create_publisher
 from gateway.sources.rclpy.errors import refusals
 from gateway.sources.rclpy.goal_ids import with_goal_id
 from gateway.sources.rclpy.interfaces import message_class, service_class
+from gateway.sources.rclpy.rclpy_private.handles import raw_publisher
 from gateway.sources.rclpy.ready_events import Endpoints
 from gateway.sources.rclpy.replier import OnRequest, Replier, Reply
 
@@ -126,7 +126,7 @@ class RclpyActionServer:
                 return opened
 
             feedback = publisher("feedback", form.feedback, _FEEDBACK_PROFILE)
-            self._publish_feedback = rclpy_private.raw_publisher(feedback)
+            self._publish_feedback = raw_publisher(feedback)
             self._status_topic = publisher(
                 "status", self._statuses, qos_profile_action_status_default
             )

@@ -14,7 +14,7 @@ from rclpy.exceptions import (
 )
 
 from gateway.sources.rclpy import fast_dds
-from gateway.sources.rclpy.rclpy_private import RESPONSE_TIMED_OUT
+from gateway.sources.rclpy.rclpy_private.handles import RESPONSE_TIMED_OUT
 from gateway.sources.source import RosError
 
 # RCLError and its kin are RuntimeErrors. A class without type support raises an AttributeError, a

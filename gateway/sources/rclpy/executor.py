@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from gateway.faults import Fault
-from gateway.sources.rclpy import rclpy_private
+from gateway.sources.rclpy.rclpy_private.handles import SPIN_S, events_executor
 
 # After a callback that raised: a fault that comes back at once must not fill the log.
 _PAUSE_S: Final = 1.0
@@ -30,7 +30,7 @@ class ExecutorThread:
     """
 
     def __init__(self, context: Context, *, standard: bool = False) -> None:
-        executor = None if standard else rclpy_private.events_executor(context)
+        executor = None if standard else events_executor(context)
         self._executor = executor or SingleThreadedExecutor(context=context)
         self._context = context
         self._stop: Any = Future()
@@ -73,7 +73,7 @@ class ExecutorThread:
     def _spin(self) -> None:
         while not self._stopping.is_set():
             try:
-                self._executor.spin_until_future_complete(self._stop, rclpy_private.SPIN_S)
+                self._executor.spin_until_future_complete(self._stop, SPIN_S)
             except Exception:  # raised by a callback. The thread must outlive it
                 if not self._context.ok():  # and nothing spins any more
                     _logger.error("ROS was shut down by something else than the gateway")

@@ -3,7 +3,7 @@
 
 rcl has a guard condition that it triggers when discovery learns something. Waiting for it costs
 nothing while nothing happens and wakes within a millisecond. rclpy does not expose it,
-`gateway.sources.rclpy.rclpy_private.GraphWaitSet` does.
+`gateway.sources.rclpy.GraphWaitSet` does.
 """
 
 import asyncio
@@ -23,7 +23,7 @@ from gateway.sources.rclpy.errors import REFUSALS
 from gateway.sources.rclpy.node_definitions import TypeHolder
 from gateway.sources.rclpy.profile import endpoint_node, full_name, to_endpoint
 from gateway.sources.rclpy.qos import UNKNOWN_NODE, Endpoint
-from gateway.sources.rclpy.rclpy_private import GraphWaitSet
+from gateway.sources.rclpy.rclpy_private.readiness import GraphWaitSet
 
 # A new node causes dozens of changes within a few milliseconds: look once they are over. Far below
 # the 100 ms in which a subscription is to follow its publishers.

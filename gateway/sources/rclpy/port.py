@@ -11,7 +11,6 @@ from rclpy.node import Node
 
 from gateway.faults import Fault
 from gateway.guard.supervisor import GuardProcess
-from gateway.sources.rclpy import rclpy_private
 from gateway.sources.rclpy.deferred_destruction import DeferredDestruction
 from gateway.sources.rclpy.distro import distro
 from gateway.sources.rclpy.errors import REFUSALS, refused
@@ -30,6 +29,7 @@ from gateway.sources.rclpy.options import RosOptions, check_room
 from gateway.sources.rclpy.publishers import Publishers, RclpyPublisher
 from gateway.sources.rclpy.qos_events import QosEvents
 from gateway.sources.rclpy.raw_subscriptions import RawSubscription, RawSubscriptions
+from gateway.sources.rclpy.rclpy_private.handles import clock_reader
 from gateway.sources.rclpy.ready_events import Endpoints, ReadyEvents
 from gateway.sources.rclpy.same_names import SameNames
 from gateway.sources.rclpy.samples import Samples
@@ -78,7 +78,7 @@ class RclpyRos:
                 raise refused("starting ROS", error) from error
             self._debug = nodes.debug
             # ROS time in nanoseconds
-            self.now_ns: Callable[[], int] = rclpy_private.clock_reader(self._debug.get_clock())
+            self.now_ns: Callable[[], int] = clock_reader(self._debug.get_clock())
             ready_events = ReadyEvents(loop)
             ready_events.check(nodes.subscribing)
             self._executor = ExecutorThread(nodes.debug.context)

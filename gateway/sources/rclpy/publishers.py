@@ -11,7 +11,6 @@ from typing import Any
 
 from rclpy.node import Node
 
-from gateway.sources.rclpy import rclpy_private
 from gateway.sources.rclpy.creating import create_publisher
 from gateway.sources.rclpy.deferred_destruction import Deferred, DeferredDestruction
 from gateway.sources.rclpy.errors import REFUSALS, refused
@@ -21,6 +20,7 @@ from gateway.sources.rclpy.name_checks import check_topic
 from gateway.sources.rclpy.profile import to_profile
 from gateway.sources.rclpy.qos import Endpoint, complete_offer, retains, unmatched_subscribers
 from gateway.sources.rclpy.qos_events import QosEvents, QosWatch
+from gateway.sources.rclpy.rclpy_private.handles import new_matches, raw_publisher
 from gateway.sources.rclpy.versions import other_versions
 from gateway.sources.source import Qos, TopicEvent
 
@@ -105,7 +105,7 @@ class Publishers:
             self._deferred.cancel(shared.deferred)
             shared.deferred = None
         shared.users += 1
-        publish_raw = rclpy_private.raw_publisher(shared.publisher)
+        publish_raw = raw_publisher(shared.publisher)
         handle = RclpyPublisher(self, key, publish_raw, on_event)
         self._handles.add(handle)
         if not self._unfollowed:
@@ -142,7 +142,7 @@ class Publishers:
         """Return how many subscriptions have been found since the last call."""
         shared = self._shared[key]
         if shared.matches is None:
-            shared.matches = rclpy_private.new_matches(shared.publisher)
+            shared.matches = new_matches(shared.publisher)
         take, _ = shared.matches
         return take()
 

@@ -12,7 +12,11 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.sources.rclpy import rclpy_private
+from gateway.sources.rclpy.rclpy_private.handles import (
+    SubscriptionCount,
+    missed_deadlines,
+    subscription_count,
+)
 from gateway.sources.rclpy.samples import Reader
 from gateway.sources.source import Qos, TopicEvent
 
@@ -73,21 +77,19 @@ class QosEvents:
     ) -> QosWatch:
         """Watch a reader with a profile in force."""
         entity, lost = reader.entity, reader.lost
-        take_lost, destroy = rclpy_private.subscription_count(entity, "messages_lost")
+        take_lost, destroy = subscription_count(entity, "messages_lost")
 
         def take() -> int:
             return lost.take(by_dds=take_lost())
 
         counts = [_Count(take, destroy, lambda times: _messages_lost(topic, qos, times))]
-        kinds: list[tuple[rclpy_private.SubscriptionCount, Callable[[int], TopicEvent]]] = []
+        kinds: list[tuple[SubscriptionCount, Callable[[int], TopicEvent]]] = []
         if qos.deadline_ns is not None:
             late = f"no message within the deadline of {_ms(qos.deadline_ns)}"
             kinds.append(("deadline_missed", lambda times: _deadline(f"{topic}: {late}", times)))
         if qos.lease_ns is not None:
             kinds.append(("liveliness_lost", lambda times: _liveliness_lost(topic, times)))
-        counts.extend(
-            _Count(*rclpy_private.subscription_count(entity, kind), event) for kind, event in kinds
-        )
+        counts.extend(_Count(*subscription_count(entity, kind), event) for kind, event in kinds)
         return self._watch(on_event, counts)
 
     def of_publisher(
@@ -97,7 +99,7 @@ class QosEvents:
         if qos.deadline_ns is None:
             return None
         late = f"nothing was published within the deadline of {_ms(qos.deadline_ns)}"
-        take, destroy = rclpy_private.missed_deadlines(entity)
+        take, destroy = missed_deadlines(entity)
         count = _Count(take, destroy, lambda times: _deadline(f"{topic}: {late}", times))
         return self._watch(on_event, [count])
 

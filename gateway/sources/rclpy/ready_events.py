@@ -20,7 +20,8 @@ from rclpy.qos import QoSProfile
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.sources.rclpy.errors import creation
-from gateway.sources.rclpy.rclpy_private import Kind, MissingFunctionError, ReadyCallbacks
+from gateway.sources.rclpy.rclpy_private.c_functions import MissingFunctionError
+from gateway.sources.rclpy.rclpy_private.readiness import Kind, ReadyCallbacks
 from gateway.sources.source import RosError
 
 # rclpy's callbacks need an executor: see `gateway.sources.rclpy.qos_events`

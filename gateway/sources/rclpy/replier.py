@@ -10,9 +10,9 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.sources.rclpy import rclpy_private
 from gateway.sources.rclpy.creating import group_of_one
 from gateway.sources.rclpy.errors import creation, losses, remapped
+from gateway.sources.rclpy.rclpy_private.handles import RequestId, request_taker, response_sender
 from gateway.sources.rclpy.ready_events import SERVICE_PROFILE, Endpoints
 
 # rmw waits 0.1 s, and blocks the event loop, for a client whose reader DDS has not matched yet, as
@@ -72,8 +72,8 @@ class Replier:
                 self._take,
             )
         service = self._source.entity
-        self._take_request = rclpy_private.request_taker(service)
-        self._send_response = rclpy_private.response_sender(service)
+        self._take_request = request_taker(service)
+        self._send_response = response_sender(service)
         given = service.service_name
         if given != name:
             self._source.close()
@@ -119,7 +119,7 @@ class Replier:
             self._on_request(request, lambda response: self._reply(response, info.request_id))
         return True
 
-    def _reply(self, response: Any, request_id: rclpy_private.RequestId) -> None:
+    def _reply(self, response: Any, request_id: RequestId) -> None:
         if self._is_closed or self._loop.time() < self._silent_until:
             return
         self.has_replied = True
@@ -127,12 +127,12 @@ class Replier:
             self._loop.call_later(SEND_AGAIN_S, self._send_again, response, request_id)
             self._stall()
 
-    def _send_again(self, response: Any, request_id: rclpy_private.RequestId) -> None:
+    def _send_again(self, response: Any, request_id: RequestId) -> None:
         # also while the service is silent: these are as few as the waits before
         if not self._is_closed and not self._send(response, request_id):
             _logger.warning("%s: a client's QoS does not let it get responses", self._subject)
 
-    def _send(self, response: Any, request_id: rclpy_private.RequestId) -> bool:
+    def _send(self, response: Any, request_id: RequestId) -> bool:
         """Send a response. Return whether rmw found the client in time."""
         with losses(self._subject) as waits:
             self._send_response(response, request_id)

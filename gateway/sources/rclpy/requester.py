@@ -10,9 +10,9 @@ import asyncio
 from collections.abc import Callable, Collection
 from typing import Any, Final, NamedTuple
 
-from gateway.sources.rclpy import rclpy_private
 from gateway.sources.rclpy.creating import group_of_one
 from gateway.sources.rclpy.errors import REFUSALS, creation, refused, remapped
+from gateway.sources.rclpy.rclpy_private.handles import request_sender, response_taker
 from gateway.sources.rclpy.ready_events import SERVICE_PROFILE, Endpoints
 from gateway.sources.source import MAX_TAKES_PER_TURN, RosError
 
@@ -82,8 +82,8 @@ class Requester:
                 self._take,
             )
         self._client = self._source.entity
-        self._send_request = rclpy_private.request_sender(self._client)
-        self._take_response = rclpy_private.response_taker(self._client)
+        self._send_request = request_sender(self._client)
+        self._take_response = response_taker(self._client)
         given = self._client.service_name
         if given != name:
             self.close()

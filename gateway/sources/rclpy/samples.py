@@ -18,7 +18,8 @@ from gateway.sources.rclpy.large_takes import (
     take_up_to,
 )
 from gateway.sources.rclpy.lost_samples import NO_NUMBER, LostSamples
-from gateway.sources.rclpy.rclpy_private import message_taker, sample_taker
+from gateway.sources.rclpy.rclpy_private.handles import message_taker
+from gateway.sources.rclpy.rclpy_private.takes import sample_taker
 from gateway.sources.rclpy.ready_events import NO_EVENTS, ReadyEvents
 from gateway.sources.source import MAX_TAKES_PER_TURN, Sample
 

@@ -18,7 +18,7 @@ from std_srvs.srv import SetBool
 
 from gateway.sources.rclpy.errors import creation
 from gateway.sources.rclpy.made_types.classes import MadeTypes
-from gateway.sources.rclpy.rclpy_private import request_sender
+from gateway.sources.rclpy.rclpy_private.handles import request_sender
 from gateway.sources.rclpy.service_forms import of_made
 from schemas.installed import InstalledDefinitions
 

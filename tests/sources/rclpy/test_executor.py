@@ -43,7 +43,7 @@ class Stopping(threading.Event):
 def stopping(monkeypatch: pytest.MonkeyPatch) -> Stopping:
     """Make every executor fail, and return what its thread waits for."""
     stopping = Stopping()
-    monkeypatch.setattr(module.rclpy_private, "events_executor", lambda context: Failing())
+    monkeypatch.setattr(module, "events_executor", lambda context: Failing())
     monkeypatch.setattr(module, "threading", SimpleNamespace(Event=lambda: stopping, Thread=Thread))
     return stopping
 

@@ -21,7 +21,7 @@ from gateway.sources.graph import Graph, ServerInfo
 from gateway.sources.rclpy import RosOptions, open_ros
 from gateway.sources.rclpy.graph import read_actions, read_all_services
 from gateway.sources.rclpy.port import RclpyRos
-from gateway.sources.rclpy.rclpy_private import ReadyCallbacks
+from gateway.sources.rclpy.rclpy_private.readiness import ReadyCallbacks
 from gateway.sources.services import ServiceRequest
 from gateway.sources.source import Qos, Ros, RosError, Sample
 from tests.client import TIMEOUT_S, eventually

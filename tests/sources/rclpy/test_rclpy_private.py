@@ -28,17 +28,26 @@ from rclpy.time import Time
 
 import gateway.sources.rclpy
 import gateway_sim
-from gateway.sources.rclpy import fast_dds, rclpy_private
+from gateway.sources.rclpy import fast_dds
 from gateway.sources.rclpy.executor import ExecutorThread
 from gateway.sources.rclpy.interfaces import message_class, service_class
-from gateway.sources.rclpy.rclpy_private import (
-    HANDED_OVER_BYTES,
-    READY_CALLBACK_SETTERS,
+from gateway.sources.rclpy.rclpy_private import takes
+from gateway.sources.rclpy.rclpy_private.handles import (
     RESPONSE_TIMED_OUT,
+    clock_reader,
+    events_executor,
+    raw_publisher,
+    request_sender,
+    request_taker,
+    response_sender,
+    response_taker,
+)
+from gateway.sources.rclpy.rclpy_private.readiness import (
+    READY_CALLBACK_SETTERS,
     GraphWaitSet,
     ReadyCallbacks,
-    takes,
 )
+from gateway.sources.rclpy.rclpy_private.takes import HANDED_OVER_BYTES, sample_taker
 from gateway.sources.source import Sample
 from tests.client import TIMEOUT_S
 from tests.sources.nodes import open_node
@@ -99,7 +108,7 @@ def two_subscriptions(node: Node, message: type) -> list[Subscription]:
 
 
 def test_rcl_and_rclpy_take_the_same_samples_with_their_times(node: Node) -> None:
-    by_rcl, by_rclpy = rclpy_private.sample_taker(), takes._take_by_rclpy
+    by_rcl, by_rclpy = sample_taker(), takes._take_by_rclpy
     assert by_rcl is not by_rclpy, "rcl has changed: a function is missing"
     before_ns = time.time_ns()
     first, second = two_subscriptions(node, INT32)
@@ -110,7 +119,7 @@ def test_rcl_and_rclpy_take_the_same_samples_with_their_times(node: Node) -> Non
         lambda: publisher.get_subscription_count() == 2, "a publisher does not see subscriptions"
     )
     for _ in range(3):
-        rclpy_private.raw_publisher(publisher)(CDR)
+        raw_publisher(publisher)(CDR)
     taken: dict[str, list[Sample]] = {"rcl": [], "rclpy": []}
 
     def have_all() -> bool:
@@ -147,8 +156,8 @@ def test_a_large_sample_is_a_view_that_outlives_all_else(node: Node, extra: int)
     ]
     taken = []
     for cdr in sent:
-        rclpy_private.raw_publisher(publisher)(cdr)
-        take = partial(rclpy_private.sample_taker(), subscription, STRING)
+        raw_publisher(publisher)(cdr)
+        take = partial(sample_taker(), subscription, STRING)
         sample = take_when_there(take, bool, "large sample")
         taken.append(sample.cdr[8:])
         del take, sample
@@ -171,11 +180,11 @@ def test_the_memory_of_a_large_sample_is_freed_with_its_last_view(node, monkeypa
     [subscription] = two_subscriptions(node, STRING)[:1]
     publisher = node.create_publisher(STRING, "/count", 10)
     wait_until(publisher.get_subscription_count, "a publisher does not see its subscription")
-    take = rclpy_private.sample_taker()
+    take = sample_taker()
     cdr = b"\0\1\0\0" + (2**20).to_bytes(4, "little") + b"a" * (2**20 - 1) + b"\0"
     before_kb = resident_kb()
     for _ in range(100):
-        rclpy_private.raw_publisher(publisher)(cdr)
+        raw_publisher(publisher)(cdr)
         sample = take_when_there(lambda: take(subscription, STRING), bool, "large sample")
     view = sample.cdr[8:16]
     del sample
@@ -199,7 +208,7 @@ class NotASubscription(contextlib.nullcontext[None]):
 
 
 def test_a_refusal_of_rcl_has_its_text(node: Node, monkeypatch: pytest.MonkeyPatch) -> None:
-    take = rclpy_private.sample_taker()
+    take = sample_taker()
     [subscription] = two_subscriptions(node, INT32)[:1]
     monkeypatch.setattr(takes, "handle_of", lambda _: NotASubscription())
     with pytest.raises(RuntimeError, match=r"rcl_take_serialized_message returned \d+: \S"):
@@ -212,24 +221,24 @@ def test_a_subscription_that_is_destroyed_gives_nothing(node: Node) -> None:
     [subscription] = two_subscriptions(node, INT32)[:1]
     node.destroy_subscription(subscription)
     with pytest.raises(RuntimeError):
-        rclpy_private.sample_taker()(subscription, INT32)
+        sample_taker()(subscription, INT32)
 
 
 def test_without_a_function_of_rcl_rclpy_takes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(takes, "_TAKE", "rcl_take_nothing")
-    assert rclpy_private.sample_taker() is takes._take_by_rclpy
+    assert sample_taker() is takes._take_by_rclpy
 
 
 def test_a_request_and_its_response_carry_the_number_that_sending_returned(node: Node) -> None:
     service = node.create_service(SET_BOOL, "/arm", lambda *_: None)
     client = node.create_client(SET_BOOL, "/arm")
-    take_request = rclpy_private.request_taker(service)
-    take_response = rclpy_private.response_taker(client)
+    take_request = request_taker(service)
+    take_response = response_taker(client)
     nothing = (None, None)
     assert take_request(SET_BOOL.Request) == nothing, f"{RCLPY} has changed: service_take_request"
     assert take_response(SET_BOOL.Response) == nothing, f"{RCLPY} has changed: take_response"
     wait_until(client.service_is_ready, "a client does not see its service")
-    number = rclpy_private.request_sender(client)(SET_BOOL.Request(data=True))
+    number = request_sender(client)(SET_BOOL.Request(data=True))
     assert isinstance(number, int), f"{RCLPY} has changed: send_request returns {number!r}"
 
     def is_there(taken: Any) -> bool:
@@ -241,7 +250,7 @@ def test_a_request_and_its_response_carry_the_number_that_sending_returned(node:
     assert request == SET_BOOL.Request(data=True), changed
     assert info.request_id.sequence_number == number, changed
     response = SET_BOOL.Response(message="done")
-    rclpy_private.response_sender(service)(response, info.request_id)
+    response_sender(service)(response, info.request_id)
     taken = take_when_there(lambda: take_response(SET_BOOL.Response), is_there, "response")
     changed = f"{RCLPY} has changed: take_response returns {taken!r}"
     info, found = taken
@@ -255,8 +264,8 @@ def test_a_response_that_its_client_cannot_get_warns(node: Node) -> None:
     deaf = node.create_client(SET_BOOL, "/arm", qos_profile=profile)
     heard = node.create_client(SET_BOOL, "/arm")
     wait_until(heard.service_is_ready, "a client does not see its service")
-    take_request = rclpy_private.request_taker(service)
-    rclpy_private.request_sender(deaf)(SET_BOOL.Request())
+    take_request = request_taker(service)
+    request_sender(deaf)(SET_BOOL.Request())
 
     def info_of_request() -> Any:
         return take_request(SET_BOOL.Request)[1]
@@ -264,7 +273,7 @@ def test_a_response_that_its_client_cannot_get_warns(node: Node) -> None:
     info = take_when_there(info_of_request, lambda info: info is not None, "request")
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        rclpy_private.response_sender(service)(SET_BOOL.Response(), info.request_id)
+        response_sender(service)(SET_BOOL.Response(), info.request_id)
     texts = [str(each.message) for each in caught if each.category is RuntimeWarning]
     assert any(text.startswith(RESPONSE_TIMED_OUT) for text in texts), (
         f"{RCLPY} has changed: service_send_response warns {texts}"
@@ -273,7 +282,7 @@ def test_a_response_that_its_client_cannot_get_warns(node: Node) -> None:
 
 def test_a_clock_is_read_in_nanoseconds(node: Node) -> None:
     clock = node.get_clock()
-    read = rclpy_private.clock_reader(clock)
+    read = clock_reader(clock)
     before, now_ns, after = clock.now(), read(), clock.now()
     assert type(now_ns) is int, f"{RCLPY} has changed: get_now().nanoseconds is {now_ns!r}"
     now = Time(nanoseconds=now_ns, clock_type=clock.clock_type)
@@ -284,7 +293,7 @@ def test_arrivals_are_counted_in_an_eventfd_until_that_is_stopped(node: Node) ->
     subscription = node.create_subscription(INT32, "/count", lambda _: None, 10, raw=True)
     publisher = node.create_publisher(INT32, "/count", 10)
     wait_until(publisher.get_subscription_count, "a publisher does not see its subscription")
-    take = rclpy_private.sample_taker()
+    take = sample_taker()
     callbacks = ReadyCallbacks()
     fd = os.eventfd(0, os.EFD_NONBLOCK)
     counted = 0
@@ -339,7 +348,7 @@ def test_a_change_of_the_graph_and_a_wake_each_end_the_wait(node: Node) -> None:
 
 
 def test_the_events_executor_delivers(context: Context) -> None:
-    executor = rclpy_private.events_executor(context)
+    executor = events_executor(context)
     assert executor is not None, f"{RCLPY} has changed: there is no EventsExecutor"
     executor.shutdown()
     node = open_node("spun", context, start_parameter_services=False)

@@ -14,7 +14,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from gateway.sources.rclpy import RosOptions, requester
 from gateway.sources.rclpy.interfaces import service_class
 from gateway.sources.rclpy.port import RclpyRos
-from gateway.sources.rclpy.rclpy_private import RESPONSE_TIMED_OUT
+from gateway.sources.rclpy.rclpy_private.handles import RESPONSE_TIMED_OUT
 from gateway.sources.rclpy.requester import Requester
 from gateway.sources.rclpy.service_entities import RclpyClient
 from gateway.sources.services import ServiceRequest

@@ -19,9 +19,15 @@ from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Header
 from std_srvs.srv import SetBool
 
-from gateway.sources.rclpy import rclpy_private
 from gateway.sources.rclpy.errors import REFUSALS, refused
 from gateway.sources.rclpy.made_types.classes import MadeTypes, check_middleware
+from gateway.sources.rclpy.rclpy_private.handles import (
+    message_taker,
+    request_sender,
+    request_taker,
+    response_sender,
+    response_taker,
+)
 from gateway.sources.rclpy.service_forms import ServiceForm, of_made, of_package
 from gateway.sources.source import RosError
 from schemas.installed import InstalledDefinitions
@@ -88,7 +94,7 @@ class _Topics:
             node.create_subscription(made, _TO_MADE, _never_called, 10, raw=True),
             node.create_subscription(Header, _FROM_MADE, _never_called, 10, raw=True),
         ]
-        self._takers = list(map(rclpy_private.message_taker, subscriptions))
+        self._takers = list(map(message_taker, subscriptions))
         self._classes = [made, Header]
         self._heard: list[bytes | None] = [None, None]
         self._message = Header(frame_id="made")
@@ -134,10 +140,10 @@ class Calls:
         client = node.create_client(calling.service_class, name)
         service = node.create_service(serving.service_class, name, _never_called)
         self._is_ready = client.service_is_ready
-        self._send = rclpy_private.request_sender(client)
-        self._take_response = rclpy_private.response_taker(client)
-        self._take_request = rclpy_private.request_taker(service)
-        self._answer = rclpy_private.response_sender(service)
+        self._send = request_sender(client)
+        self._take_response = response_taker(client)
+        self._take_request = request_taker(service)
+        self._answer = response_sender(service)
         self._left = list(_TEXTS)
         self._number: int | None = None  # of the request under way
         self._sent_s = 0.0
