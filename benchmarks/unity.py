@@ -24,6 +24,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.protocol import State
 
 from benchmarks.samples import SAMPLES
+from gateway.backports import timeout
 from gateway.codec import cbor
 from gateway.codec.image import ImageOptions
 from gateway.codec.json import dumps
@@ -223,7 +224,7 @@ async def _received(
             env={**mono.environment(program), "MONO_GC_PARAMS": f"nursery-size={nursery}"},
             stdout=subprocess.PIPE,
         )
-        async with asyncio.timeout(120):
+        async with timeout(120):
             output, _ = await process.communicate()
     return _result(output)
 

@@ -6,7 +6,7 @@ This module is light, because commands that check a configuration need no server
 
 import os
 import ssl
-from datetime import UTC, datetime
+from datetime import datetime, timezone
 from pathlib import Path
 
 from gateway.access import token_file
@@ -72,7 +72,7 @@ def tls_context(config: TlsConfig) -> ssl.SSLContext | None:
 
 def now_text() -> str:
     """Return the time for the field `created` of a token."""
-    return datetime.now(UTC).isoformat(timespec="seconds")
+    return datetime.now(timezone.utc).isoformat(timespec="seconds")
 
 
 def load_certificate(context: ssl.SSLContext, config: TlsConfig) -> None:

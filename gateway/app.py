@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from gateway.access.posture import Posture
+from gateway.backports import Runner
 from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
@@ -106,7 +107,7 @@ def run(
             other.
         RosMissingError: rclpy is missing.
     """
-    with asyncio.Runner(loop_factory=_loop_factory()) as runner:
+    with Runner(loop_factory=_loop_factory()) as runner:
         return runner.run(
             _serve(
                 config,

@@ -20,7 +20,7 @@ _NO_HOST: Final = (
 
 _HOW_TO_GET_ROS: Final = """\
 rclpy cannot be imported ({reason}). There are two ways to get it:
-  with pip (x86-64 Linux, CPython 3.11 to 3.14):  pip install '.[ros]'  in the source tree
+  with pip (x86-64 Linux, CPython 3.10 to 3.14):  pip install '.[ros]'  in the source tree
   with a ROS 2 installation:                      source /opt/ros/jazzy/setup.bash
     and run in that distribution's own Python, or a venv of it made with --system-site-packages"""
 

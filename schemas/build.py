@@ -2,7 +2,9 @@
 """The model of any message type: the checked-in one if it fits, else one built at run time."""
 
 import importlib
-from typing import Any, Self
+from typing import Any
+
+from typing_extensions import Self
 
 from schemas import message as ros
 from schemas.definition import Definition

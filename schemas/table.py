@@ -5,15 +5,16 @@ It also lists the services and actions that have models in this package, without
 """
 
 import re
-import tomllib
 from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Final, Literal, Self, TypeVar, get_args
+from typing import Annotated, Final, Literal, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from typing_extensions import Self
 
+from schemas.backports import tomllib
 from schemas.interface import InterfaceKind
 
 TABLE_PATH: Final = Path(__file__).with_name("messages.toml")

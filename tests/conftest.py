@@ -4,13 +4,25 @@
 Each worker of pytest-xdist is a separate process, and imports this.
 """
 
+import asyncio
 import os
 import signal
+import sys
+import typing
 
 import pytest
+import typing_extensions
 from hypothesis import HealthCheck, settings
 
+from gateway import backports
 from tests import dds_domain, interfaces
+
+# The tests are written for newer Pythons. The product finds these names by itself.
+if sys.version_info < (3, 11):
+    for name in ("Runner", "TaskGroup", "timeout", "timeout_at"):
+        setattr(asyncio, name, getattr(backports, name))
+    for name in ("Never", "Self", "assert_never"):
+        setattr(typing, name, getattr(typing_extensions, name))
 
 # Also where the developer's shell is set up for a real robot: no test may ever move it.
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"

@@ -5,14 +5,14 @@
 set -eu
 directory=$1
 
-# The rclpy wheels exist for CPython up to 3.14. The code needs 3.11.
+# The rclpy wheels exist for CPython up to 3.14. The code needs 3.10.
 fits() {
-    "$1" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))' 2>/dev/null
+    "$1" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 14))' 2>/dev/null
 }
 
 python=${PYTHON:-}
 if [ -z "$python" ]; then
-    for candidate in python3 python3.12 python3.13 python3.11 python3.14; do
+    for candidate in python3 python3.12 python3.13 python3.11 python3.14 python3.10; do
         if fits "$candidate"; then
             python=$candidate
             break
@@ -20,7 +20,7 @@ if [ -z "$python" ]; then
     done
 fi
 if [ -z "$python" ] || ! fits "$python"; then
-    echo "need Python 3.11 to 3.14, found ${python:-none}. On Debian or Ubuntu, run:" >&2
+    echo "need Python 3.10 to 3.14, found ${python:-none}. On Debian or Ubuntu, run:" >&2
     echo "  sudo apt install python3 python3-venv" >&2
     exit 1
 fi

@@ -6,8 +6,9 @@ import json
 import socket
 import threading
 from collections.abc import Iterator, Sequence
-from typing import Any, Final, Self
+from typing import Any, Final
 
+from typing_extensions import Self
 from websockets.client import ClientProtocol
 from websockets.http11 import Response
 from websockets.typing import Subprotocol

@@ -21,6 +21,7 @@ from benchmarks.figures import Figure
 from benchmarks.hostile_frames import HostileFrame, large_frames, plain_frames
 from benchmarks.plan import Plan
 from benchmarks.servers import NO_INBOUND_LIMITS
+from gateway.backports import Runner
 from gateway.codec.cbor_reader import is_cbor
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
@@ -71,7 +72,7 @@ def measure(_: Plan) -> list[Figure]:
     """Print a table and return the figures."""
     keep_large_blocks()  # as the gateway does
     turns = _Turns()
-    with asyncio.Runner(loop_factory=partial(asyncio.SelectorEventLoop, turns)) as runner:
+    with Runner(loop_factory=partial(asyncio.SelectorEventLoop, turns)) as runner:
         return runner.run(_measure(turns))
 
 

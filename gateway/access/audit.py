@@ -9,7 +9,7 @@ import json
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime, timezone
 from typing import Final
 
 MAX_FACT_CHARACTERS: Final = 200  # a name of ROS fits
@@ -71,7 +71,7 @@ class Audit:
     def _emit(
         self, now_ns: int, event: str, client: str | None, values: dict[str, AuditValue]
     ) -> None:
-        time = datetime.fromtimestamp(now_ns / 1e9, UTC).isoformat(timespec="milliseconds")
+        time = datetime.fromtimestamp(now_ns / 1e9, timezone.utc).isoformat(timespec="milliseconds")
         entry: dict[str, AuditValue] = {"time": time, "event": event}
         entry |= {name: _shown(value) for name, value in values.items() if value is not None}
         line = json.dumps(entry)  # ASCII: no text can begin a new line

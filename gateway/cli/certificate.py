@@ -63,7 +63,7 @@ def _why_another(path: Path) -> str | None:
         raise UsageError(f"cannot read {path}, {system_reason(error)}") from error
     if not certificate.issuer.rfc4514_string().startswith(f"CN={_SIGNER}"):
         return None
-    if certificate.not_valid_after_utc <= dt.datetime.now(dt.UTC):
+    if certificate.not_valid_after_utc <= dt.datetime.now(dt.timezone.utc):
         return "the last one has expired"
     names = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
     known = {str(each) for each in names.get_values_for_type(x509.IPAddress)}
@@ -110,7 +110,7 @@ def _signed(subjects: Sequence[str]) -> tuple[bytes, bytes]:
 
     key = ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"{_SIGNER} {subjects[0]}"[:64])])
-    now = dt.datetime.now(dt.UTC)
+    now = dt.datetime.now(dt.timezone.utc)
     try:
         alternatives = [_alternative(subject) for subject in subjects]
     except ValueError as error:

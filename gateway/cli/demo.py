@@ -119,7 +119,7 @@ def end_with_stdin() -> None:
 
 @contextmanager
 def _running(command: Sequence[str]) -> Iterator[subprocess.Popen[bytes]]:
-    child = subprocess.Popen(command, stdin=subprocess.PIPE, process_group=0)
+    child = subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
     stopping = threading.Event()
 
     def watch() -> None:

@@ -6,7 +6,7 @@ import logging
 import sys
 import threading
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
+from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Final, Literal, TextIO
 
 from gateway.log_fields import fields_of, message_of, text_of
@@ -39,9 +39,10 @@ def wanted_format(arguments: Sequence[str], environment: Mapping[str, str]) -> L
 
 def json_line(created_s: float, level: str, logger: str, message: str, **fields: object) -> str:
     """Return a line of a log in JSON, as ASCII."""
+    time = datetime.fromtimestamp(created_s, timezone.utc)
     return json.dumps(
         {
-            "time": datetime.fromtimestamp(created_s, UTC).isoformat(timespec="milliseconds"),
+            "time": time.isoformat(timespec="milliseconds"),
             "level": level,
             "logger": logger,
             "message": message,
@@ -76,7 +77,7 @@ class TextFormatter(logging.Formatter):
         return super().formatMessage(record)
 
 
-class LogHandler(logging.StreamHandler[TextIO]):
+class LogHandler(logging.StreamHandler):  # type: ignore[type-arg]  # no generic on Python 3.10
     """Writes records, and a bounded number of those that clients cause."""
 
     def __init__(self, stream: TextIO, log_format: LogFormat) -> None:

@@ -5,7 +5,6 @@ It uses the asyncio client of `websockets`, although nothing here runs concurren
 threads reads and writes a TLS connection from two threads at once, which OpenSSL does not allow.
 """
 
-import asyncio
 import json
 import logging
 import socket
@@ -22,6 +21,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidSta
 from websockets.frames import CloseCode
 from websockets.uri import parse_uri
 
+from gateway.backports import Runner, timeout
 from gateway.config.settings import TOKEN_VARIABLE
 from gateway.errors import GatewayError, UsageError, system_reason
 
@@ -53,7 +53,7 @@ class Gateway:
 class RemoteConnection:
     """Asks questions and waits for the answer to each."""
 
-    def __init__(self, socket_: ClientConnection, runner: asyncio.Runner, gateway: Gateway) -> None:
+    def __init__(self, socket_: ClientConnection, runner: Runner, gateway: Gateway) -> None:
         self._socket = socket_
         self._runner = runner
         self._gateway = gateway
@@ -83,7 +83,7 @@ class RemoteConnection:
 
     async def _answer(self, question: str) -> dict[str, Any]:
         """Return the frame with the id of the question, and skip others."""
-        async with asyncio.timeout(self._gateway.timeout_s):
+        async with timeout(self._gateway.timeout_s):
             await self._socket.send(question)
             while True:
                 frame = await self._socket.recv()
@@ -114,7 +114,7 @@ def connected(gateway: Gateway) -> Iterator[RemoteConnection]:
         UsageError: the address is not that of a WebSocket, or the certificate cannot be read.
         GatewayError: nobody can be reached there, or the client is not let in.
     """
-    with asyncio.Runner() as runner:
+    with Runner() as runner:
         socket_ = runner.run(_opened(gateway))
         try:
             yield RemoteConnection(socket_, runner, gateway)

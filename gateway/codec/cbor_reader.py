@@ -9,9 +9,10 @@ costs about as much as it has bytes, and all of them are counted.
 from collections.abc import Mapping
 from struct import Struct
 from struct import error as StructError  # noqa: N812
-from typing import Any, ClassVar, Final, Never
+from typing import Any, ClassVar, Final
 
 import numpy as np
+from typing_extensions import Never
 
 from gateway.codec.cbor import MAP, OCTETS, TYPED_ARRAYS
 from gateway.codec.errors import CodecError

@@ -9,6 +9,7 @@ the numbers replace the integers. Everything else is as strict as without.
 import json
 import math
 import re
+import sys
 from itertools import chain
 from typing import Any, Final
 
@@ -27,13 +28,14 @@ _TOKENS: Final = {b"NaN": b"3", b"-Infinity": b"5", b"Infinity": b"4"}  # and th
 # A token is a value: something before it, and the end or something other than a colon behind it.
 # Its letters come first, because what begins by a lookbehind is tried at every character.
 _VALUES: Final = {
-    token: re.compile(token + rb"(?<![^\s,:\[]" + token + rb")(?=[ \t\r\n]*+(?:[,\]}]|\Z))")
+    token: re.compile(token + rb"(?<![^\s,:\[]" + token + rb")(?=[ \t\r\n]*(?:[,\]}]|\Z))")
     for token in _TOKENS
 }
 
 # The closing quote is optional, or the search would retry a string without one. It never
-# backtracks.
-_STRINGS: Final = re.compile(rb'("[^"\\]*+(?:\\.[^"\\]*+)*+"?)', re.DOTALL)
+# backtracks. Possessive quantifiers, which Python 3.10 lacks, save the memory for that.
+_ALL: Final = b"*+" if sys.version_info >= (3, 11) else b"*"
+_STRINGS: Final = re.compile(rb'("[^"\\]%b(?:\\.[^"\\]%b)%b"?)' % (_ALL, _ALL, _ALL), re.DOTALL)
 
 _CONTAINERS: Final = frozenset({dict, list})
 

@@ -8,7 +8,6 @@ import contextlib
 import difflib
 import json
 import reprlib
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,6 +20,7 @@ from pydantic.fields import FieldInfo
 from gateway.config.model import Config
 from gateway.config.section import Section
 from gateway.errors import ConfigError, system_reason
+from schemas.backports import tomllib
 
 PREFIX: Final = "ROS2_GATEWAY_"
 FILE_VARIABLE: Final = "ROS2_GATEWAY_CONFIG"
@@ -101,8 +101,9 @@ class Setting:
 
     @cached_property
     def _adapter(self) -> TypeAdapter[Any]:
-        annotation: Any = Annotated[self.field.annotation, Field(), *self.field.metadata]
-        return TypeAdapter(annotation)
+        parts = (self.field.annotation, Field(), *self.field.metadata)
+        form: Any = Annotated
+        return TypeAdapter(form[parts])
 
 
 class Loaded(NamedTuple):

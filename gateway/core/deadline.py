@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
 
+from gateway.backports import timeout_at
 from gateway.core.errors import ProtocolError
 
 
@@ -29,7 +30,7 @@ class Deadline:
             ProtocolError: ``timeout``.
         """
         try:
-            async with asyncio.timeout_at(self.at_s):
+            async with timeout_at(self.at_s):
                 yield
         except TimeoutError:
             raise self.error(event) from None

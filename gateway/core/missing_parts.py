@@ -2,7 +2,9 @@
 """The parts that a source may lack. All of them are refused here, one sentence for each."""
 
 from collections.abc import Sequence
-from typing import Any, Final, Literal, Never, cast
+from typing import Any, Final, Literal, cast
+
+from typing_extensions import Never
 
 from gateway.faults import Fault
 from gateway.sources.source import LogLevel, Ros, RosError, Source

@@ -8,6 +8,7 @@ from collections.abc import Awaitable, Callable, Coroutine, Generator
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from gateway.backports import timeout_at
 from gateway.codec.error_text import truncate
 from gateway.core.deadline import Deadline
 from gateway.core.errors import ProtocolError, over_limit
@@ -145,7 +146,7 @@ async def _run(
     deadline: Deadline,
 ) -> None:
     try:
-        async with asyncio.timeout_at(deadline.at_s):
+        async with timeout_at(deadline.at_s):
             await slots.acquire()
     except TimeoutError:
         waiting = session.limits.max_pending_calls

@@ -11,9 +11,10 @@ import sys
 import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import Any, Final
 
 import orjson
+from typing_extensions import Self
 
 from gateway.drive.effects import GuardState
 from gateway.faults import Fault
@@ -115,9 +116,11 @@ class GuardProcess:
         self._killed = [each for each in self._killed if each.poll() is None]
         self._started_s = time.monotonic()
         try:
-            # a separate group: Ctrl-C in a terminal is for the gateway
             self._process = process = subprocess.Popen(
-                self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, process_group=0
+                self.command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                start_new_session=True,  # Ctrl-C in a terminal is for the gateway
             )
         except OSError as error:
             self._lose(f"cannot be started: {error.strerror}")

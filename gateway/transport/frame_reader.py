@@ -80,7 +80,7 @@ class FrameReader:
             if _MASKED <= length < _MASKED | _MEDIUM:
                 length -= _MASKED
             elif length == _MASKED | _MEDIUM:
-                length = int.from_bytes(data[at + 2 : at + 4])
+                length = int.from_bytes(data[at + 2 : at + 4], "big")
                 start = at + _MEDIUM_HEAD
             else:
                 break
@@ -113,7 +113,7 @@ def _size(head: bytes) -> int:
     start, length = 2, head[1] & ~_MASKED
     if length >= _MEDIUM:
         start = 4 if length == _MEDIUM else 10
-        length = int.from_bytes(head[2:start])
+        length = int.from_bytes(head[2:start], "big")
     if len(head) < start:
         return 0
     return start + (_MASK_LENGTH if head[1] & _MASKED else 0) + length

@@ -22,7 +22,14 @@ from gateway.transport import health
 from gateway.transport.front import ClientSession
 from gateway.transport.health import Health
 from gateway.transport.picture_requests import PATHS as PICTURE_PATHS
-from gateway.transport.static_files import INDEX, StaticFiles, is_browser, moved, response_of
+from gateway.transport.static_files import (
+    INDEX,
+    StaticFiles,
+    is_browser,
+    method_of,
+    moved,
+    response_of,
+)
 from gateway.transport.url_options import UrlOptionError, url_options
 
 if TYPE_CHECKING:  # it imports this
@@ -51,18 +58,21 @@ _JSON: Final = "application/json; charset=utf-8"
 # the path of rosbridge_suite for the versions of the protocol and of the server
 _VERSIONS: Final = "/version"
 _PROTOCOL: Final = {"major": 2, "minor": 0, "patch": 0}
-_NOT_ALLOWED: Final = "this method is not supported: use GET or HEAD\n"
+_METHODS: Final = ("GET", "HEAD") if hasattr(Request, "method") else ("GET",)  # see `method_of`
+_NOT_ALLOWED: Final = f"this method is not supported: use {' or '.join(_METHODS)}\n"
+_ALLOWED: Final = ", ".join(_METHODS)
 _FOREIGN_HOST: Final = (
     "this is not a name of this gateway: use its address, or have the operator add the name to"
     " allowed_hosts\n"
 )
-_OTHER_METHODS: Final = frozenset({"POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT"})
+_OTHER_METHODS: Final = frozenset(
+    {"HEAD", "POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT"}
+).difference(_METHODS)
 
 
 # of all headers together, names and values: enough for a browser with its cookies, and parsed
 # within a millisecond
 MAX_HEADER_CHARACTERS: Final = 16 * 1024
-_METHODS: Final = frozenset({"GET", "HEAD"})
 
 
 class HttpConnection(Protocol):
@@ -156,7 +166,7 @@ class HttpFront:
         """
         method = start.split(b" ")[0].decode("latin-1")
         if method in _OTHER_METHODS:
-            return _raw(405, "Method Not Allowed", _NOT_ALLOWED, "Allow: GET, HEAD\r\n")
+            return _raw(405, "Method Not Allowed", _NOT_ALLOWED, f"Allow: {_ALLOWED}\r\n")
         return _raw(400, "Bad Request", "this is not an HTTP request\n")
 
     def _respond(
@@ -172,9 +182,9 @@ class HttpFront:
         if not self._rules.is_own_host(host):
             self._log_foreign(host)
             return protocol.reject(421, _FOREIGN_HOST)
-        if request.method not in _METHODS:
+        if method_of(request) not in _METHODS:
             response = protocol.reject(405, _NOT_ALLOWED)
-            response.headers["Allow"] = "GET, HEAD"
+            response.headers["Allow"] = _ALLOWED
             return response
         path = urlsplit(request.path).path
         if told := self._told_to_all(protocol, request, path):
@@ -353,6 +363,6 @@ def page(
     headers["Cache-Control"] = "no-store"
     if body is not None:
         headers["Content-Length"] = str(len(body))
-        if request.method != "HEAD":
+        if method_of(request) != "HEAD":
             response.body = body
     return response

@@ -31,6 +31,7 @@ from gateway.transport.picture_requests import (
     picture_request,
     viewer_page,
 )
+from gateway.transport.static_files import method_of
 from gateway.transport.websocket_frames import payload
 
 # Each may hold one picture that waits, one that is encoded and one in the socket: with 16 pictures
@@ -191,7 +192,7 @@ class Pictures:
             response = page(protocol, request, viewer_page(request.path, asked.topic), _HTML)
             response.headers.update(_headers(request) | {"Content-Security-Policy": _POLICY})
             return response
-        if request.method == "HEAD":
+        if method_of(request) == "HEAD":
             is_single = urlsplit(request.path).path == SNAPSHOT
             response = page(protocol, request, None, _JPEG if is_single else _MULTIPART)
             response.headers.update(_headers(request))

@@ -21,6 +21,7 @@ from websockets.server import ServerProtocol
 from gateway.access.permissions import Identity, Policy
 from gateway.access.tokens import Tokens
 from gateway.access.web_rules import WebRules
+from gateway.backports import timeout, tls_timeouts
 from gateway.config.limits import Limits
 from gateway.core.router import Router
 from gateway.errors import BindError
@@ -45,7 +46,7 @@ from gateway.transport.health import FindFaults, Health, no_faults
 from gateway.transport.http import HttpConnection, HttpFront, own_names, page
 from gateway.transport.picture_streams import Pictures
 from gateway.transport.scrapes import Scrapes
-from gateway.transport.static_files import NO_FILES, StaticFiles
+from gateway.transport.static_files import NO_FILES, StaticFiles, method_of
 from gateway.transport.time_budget import TimeBudgets
 from gateway.transport.tls_handshakes import log_failed_handshakes
 from gateway.transport.url_options import url_options
@@ -162,8 +163,7 @@ class Server:
                     host,
                     port,
                     ssl=listen.tls,
-                    ssl_handshake_timeout=open_s if listen.tls else None,
-                    ssl_shutdown_timeout=page_s if listen.tls else None,
+                    **tls_timeouts(open_s, page_s) if listen.tls else {},
                 )
             except OSError as error:
                 if not addresses:
@@ -270,7 +270,7 @@ class Server:
             _, identity = self._identify(request, connection)
         except NotAdmittedError as error:
             return _unauthenticated(protocol, error)
-        if request.method == "HEAD":
+        if method_of(request) == "HEAD":
             return page(protocol, request, None, CONTENT_TYPE)
         if sum(each.awaits_page for each in self._connections) >= MAX_PAGES:
             return protocol.reject(503, f"busy: {MAX_PAGES} others get metrics. Try again later\n")
@@ -396,7 +396,7 @@ class Server:
         for connection in list(self._connections):
             connection.close(GOING_AWAY, "the gateway is shutting down")
         with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(min(self.limits.close_timeout_s, MAX_GOODBYE_S)):
+            async with timeout(min(self.limits.close_timeout_s, MAX_GOODBYE_S)):
                 await self._all_gone.wait()
         for connection in list(self._connections):
             connection.abort()

@@ -109,9 +109,15 @@ def response_of(protocol: ServerProtocol, request: Request, file: StaticFile) ->
         headers["Content-Encoding"] = "gzip"
     headers["Content-Type"] = file.content_type
     headers["Content-Length"] = str(len(body))
-    if request.method != "HEAD":
+    if method_of(request) != "HEAD":
         response.body = body
     return response
+
+
+def method_of(request: Request) -> str:
+    """Return the method. `websockets` 16, the last for Python 3.10, reads GET requests only."""
+    method: str = getattr(request, "method", "GET")
+    return method
 
 
 def moved(protocol: ServerProtocol, request: Request, path: str) -> Response:

@@ -3,7 +3,9 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Final, Self, TypeVar
+from typing import Final, TypeVar
+
+from typing_extensions import Self
 
 from schemas.definition import Definition
 from schemas.derived import hashed

@@ -116,7 +116,7 @@ def literal(base: str, value: Scalar) -> str:
 def text_literal(text: str) -> str:
     """Write a text. Characters that are not printable ASCII become escapes."""
     units = text.encode("utf-16-be", "surrogatepass")
-    pairs = (int.from_bytes(units[i : i + 2]) for i in range(0, len(units), 2))
+    pairs = (int.from_bytes(units[i : i + 2], "big") for i in range(0, len(units), 2))
     return '"' + "".join(_character(unit) for unit in pairs) + '"'
 
 

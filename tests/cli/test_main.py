@@ -8,7 +8,6 @@ import signal
 import socket
 import subprocess
 import sys
-import tomllib
 import urllib.request
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -22,6 +21,7 @@ from gateway.cli import main as cli
 from gateway.cli.report import _REMEDIES
 from gateway.ending_signals import ENDING
 from gateway.errors import _BIND_REASONS
+from schemas.backports import tomllib
 
 ROOT = Path(__file__).parents[2]
 TIMEOUT_S = 180  # generous: other tests share the machine

@@ -5,7 +5,6 @@ import datetime as dt
 import shlex
 import stat
 import sys
-import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,6 +13,7 @@ import pytest
 from gateway.cli import certificate
 from gateway.cli.certificate import make_certificate, own_certificate
 from gateway.errors import UsageError
+from schemas.backports import tomllib
 
 pytest.importorskip("cryptography")
 

@@ -160,7 +160,7 @@ def test_a_small_file_that_states_a_huge_picture_is_not_decoded(size):
 def test_a_huge_picture_does_not_hide_behind_a_marker_without_a_length(marker):
     jpeg = coded(colours(), ".jpg")
     at = jpeg.find(b"\xff\xc0")
-    small = jpeg[at : at + 2 + int.from_bytes(jpeg[at + 2 : at + 4])]
+    small = jpeg[at : at + 2 + int.from_bytes(jpeg[at + 2 : at + 4], "big")]
     huge = small[:5] + struct.pack(">HH", 8200, 80) + small[9:]
     # Read as a length, the marker of the frame that the decoder uses leads into this comment.
     filling = bytes(0xFFC0 - len(huge) - 4) + small

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The sources of the configuration, their order, and the texts of mistakes."""
 
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -9,6 +8,7 @@ import pytest
 from gateway.config.model import Config
 from gateway.config.settings import Given, load, settings, to_toml
 from gateway.errors import ConfigError
+from schemas.backports import tomllib
 
 
 def toml(tmp_path: Path, text: str) -> Path:

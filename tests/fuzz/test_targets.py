@@ -21,8 +21,8 @@ def test_the_product_keeps_its_promise_for_seeds_and_for_changes_of_them(name: s
         try:
             target.run(data)
         except Exception as error:
-            error.add_note(f"load({name!r}).run({shortest(target.run, data)!r})")
-            raise
+            call = f"load({name!r}).run({shortest(target.run, data)!r})"
+            raise AssertionError(call) from error
 
 
 def test_a_fault_is_found_and_shortened():

@@ -34,7 +34,7 @@ def child(code, number=signal.SIGINT, without=frozenset()):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         env={**inherited, "PYTHONUNBUFFERED": "1"},
-        process_group=0,
+        start_new_session=True,
     )
     try:
         yield process

@@ -35,13 +35,13 @@ def test_the_values_of_a_state_are_read_back():
         "dropped_total": 2,
         "pending": 2,
     }.items():
-        assert read[f"ros2_gateway_client_messages_{name}", *labels] == value
+        assert read[(f"ros2_gateway_client_messages_{name}", *labels)] == value
         assert read[f"ros2_gateway_topic_messages_{name}", "topic=/topic0"] == value
     assert read["ros2_gateway_topic_received_total", "topic=/topic0"] == 10
     published = ("client=10.0.0.0#0", "topic=/cmd_vel")
-    assert read["ros2_gateway_client_published_total", *published] == 7
+    assert read[("ros2_gateway_client_published_total", *published)] == 7
     ended = ("by=client", "code=1000", "reason=closed")
-    assert read["ros2_gateway_connections_ended_total", *ended] == 2
+    assert read[("ros2_gateway_connections_ended_total", *ended)] == 2
     assert read["ros2_gateway_handshakes_refused_total", "reason=origin"] == 2
     assert read["ros2_gateway_clients",] == 1
     assert read["ros2_gateway_ros_entities",] == 2

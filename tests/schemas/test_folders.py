@@ -2,13 +2,13 @@
 import json
 import os
 import re
-import tomllib
 from pathlib import Path
 
 import pytest
 
 from gateway.codec.types import Types
 from schemas import folders
+from schemas.backports import tomllib
 from schemas.definition import DefinitionError
 from schemas.folders import SHIPPED, TooManyFoldersError, find_definitions
 from schemas.installed import (

@@ -19,6 +19,7 @@ from gateway.transport.connection import Connection
 from gateway.transport.end import EndCause
 from tests.client import TIMEOUT_S, client, eventually
 from tests.transport.conftest import Serve, Served
+from tests.transport.needs import needs_websockets_17
 from tests.transport.test_server import closing, handshake, masked, upgrade
 
 LOGGER = "gateway.transport.end"
@@ -146,7 +147,10 @@ async def is_one_too_many(served: Served) -> None:
         (asks_for_health, "DEBUG", "gateway", "http", 200, "200 OK"),
         (asks_for_what_is_not_there, "INFO", "gateway", "handshake", 404, "404 nothing is at"),
         (posts, "INFO", "gateway", "handshake", 405, "405 not a supported"),
-        (sends_a_long_path, "INFO", "gateway", "handshake", None, "request is too large"),
+        pytest.param(
+            *(sends_a_long_path, "INFO", "gateway", "handshake", None, "request is too large"),
+            marks=needs_websockets_17,
+        ),
         (is_a_foreign_page, "INFO", "gateway", "handshake", 403, "403 pages from https://evil"),
         (has_no_key, "INFO", "gateway", "handshake", 400, "400 Failed to open"),
         (closes, "INFO", "client", "closed", 3001, "3001 tired\nof it"),

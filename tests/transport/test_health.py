@@ -11,6 +11,7 @@ from gateway.faults import Fault
 from gateway.transport.health import LIVE, PATH, READY, Health, no_faults
 from tests.client import client, eventually
 from tests.transport.conftest import Serve, Served
+from tests.transport.needs import needs_websockets_17
 from tests.transport.test_server import get
 
 DEAD = Fault("dead", "ROS has shut down")
@@ -60,6 +61,7 @@ async def health(served: Served, path: str = PATH, method: str = "GET") -> tuple
     return status, body
 
 
+@needs_websockets_17
 @pytest.mark.parametrize("path", [PATH, LIVE, READY])
 async def test_faults_reach_the_page_and_its_status(serve: Serve, path):
     faults: list[Fault] = []

@@ -24,6 +24,7 @@ from gateway.transport.server import MAX_HANDSHAKES
 from tests.client import TIMEOUT_S, client, eventually
 from tests.sources.fake import FakePublisher
 from tests.transport.conftest import Serve, Served
+from tests.transport.needs import needs_websockets_17
 from tests.transport.test_admission import OPERATOR, OPERATORS, VIEWERS, AccessServer, bearer
 from tests.transport.test_server import status_of
 
@@ -383,6 +384,7 @@ async def test_a_bug_ends_one_viewer_alone(serve: Serve, monkeypatch: pytest.Mon
         caplog.clear()
 
 
+@needs_websockets_17
 async def test_head_tells_the_type_and_opens_nothing(serve: Serve):
     async with serve() as served:
         for path, content_type in (("/snapshot", "image/jpeg"), ("/stream", "multipart/x-mixed")):
@@ -394,6 +396,7 @@ async def test_head_tells_the_type_and_opens_nothing(serve: Serve):
         assert served.ros.entity_count() == 0
 
 
+@needs_websockets_17
 async def test_a_token_is_needed_where_clients_need_one_and_its_role_decides(serve: Serve):
     hidden = ViewerConfig(deny_subscribe=("/secret/**",))
     async with AccessServer(serve, viewer=hidden).open() as served:
@@ -452,6 +455,7 @@ async def test_foreign_pages_and_hosts_get_nothing_and_allowed_ones_are_named(se
         assert b"Access-Control-Allow-Origin: https://fleet.example\r\n" in head
 
 
+@needs_websockets_17
 @pytest.mark.parametrize(
     ("referer", "policy"),
     [

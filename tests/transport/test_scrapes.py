@@ -21,6 +21,7 @@ from gateway.transport.scrapes import Scrapes
 from tests.client import TIMEOUT_S, client, eventually
 from tests.metrics.states import state
 from tests.transport.conftest import Serve, Served
+from tests.transport.needs import needs_websockets_17
 from tests.transport.test_admission import OPERATORS, VIEWERS, AccessServer, bearer
 from tests.transport.test_server import handshake, masked, status_of
 
@@ -116,6 +117,7 @@ async def scrape(served: Served, **headers: str) -> Scrape:
     return Scrape(text)
 
 
+@needs_websockets_17
 async def test_prometheus_gets_its_text_which_is_not_cached(serve: Serve):
     async with serve() as served:
         status, headers, text = await asyncio.to_thread(fetch, served)
@@ -403,6 +405,7 @@ async def test_replies_are_written_one_at_a_time_with_rests_between(monkeypatch)
     assert seen == ["reply", "0.009"] * 3
 
 
+@needs_websockets_17
 async def test_eight_wait_for_a_page_and_the_next_is_refused_until_one_is_done(serve, monkeypatch):
     async with serve() as served:
         may_write = hold_pages(monkeypatch)
@@ -472,6 +475,7 @@ async def test_a_page_that_the_shutdown_prevents_is_counted_so(serve, monkeypatc
     assert served.server.summary().handshakes_refused == {"going_away": 1}
 
 
+@needs_websockets_17
 async def test_head_writes_no_page_and_needs_a_token_as_well(serve, monkeypatch):
     monkeypatch.setattr(scrapes_module, "pieces", None)
     async with AccessServer(serve).open() as served:

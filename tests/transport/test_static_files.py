@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from gateway.transport.static_files import PAGES, StaticFiles
+from tests.transport.needs import needs_websockets_17
 
 HTML = "Accept: text/html,application/xhtml+xml"
 GZIP = "Accept-Encoding: br, gzip;q=0.8"
@@ -137,6 +138,7 @@ async def test_it_is_compressed_for_browsers_that_accept_gzip(serve, files, head
         assert body == (PAGES / "style.css").read_bytes()
 
 
+@needs_websockets_17
 async def test_head_has_the_length_and_no_body(serve, files):
     async with serve(files=files) as served:
         sent = await get(served.port, "/style.css", method="HEAD")

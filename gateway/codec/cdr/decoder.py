@@ -5,9 +5,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 from struct import error as StructError  # noqa: N812
 from struct import unpack_from
-from typing import Any, Final, assert_never
+from typing import Any, Final
 
 import numpy as np
+from typing_extensions import assert_never
 
 from gateway.codec.cdr.decoder_runs import RunReader
 from gateway.codec.cdr.layout import (

@@ -9,7 +9,9 @@ on fields and on bytes is checked before each element.
 from collections.abc import Callable, Sequence
 from functools import cache
 from struct import pack
-from typing import Final, TypeAlias, assert_never
+from typing import Final, TypeAlias
+
+from typing_extensions import assert_never
 
 from gateway.codec.cdr.arrays import listed, packed
 from gateway.codec.cdr.bounds import MAX_CDR_BYTES, MAX_FIELDS, count_fields, refuse_size

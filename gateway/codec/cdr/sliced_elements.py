@@ -7,7 +7,9 @@ would look at each.
 
 from collections.abc import Generator, Iterator
 from itertools import islice
-from typing import Final, Self
+from typing import Final
+
+from typing_extensions import Self
 
 from gateway.codec.json_slices import Write, WrittenArray, element_slices
 

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, Final
 from urllib.parse import unquote
 
+from gateway.backports import timeout
 from gateway.codec.error_text import truncate
 from gateway.core.errors import ProtocolError
 from gateway.core.requests import FetchAsset
@@ -61,7 +62,7 @@ class Assets:
         """
         loop = asyncio.get_running_loop()
         try:
-            async with asyncio.timeout(ANSWER_S):
+            async with timeout(ANSWER_S):
                 chunk = await loop.run_in_executor(
                     self._thread, read, request.uri, request.offset, installed_prefixes()
                 )

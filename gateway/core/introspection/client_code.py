@@ -6,6 +6,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final
 
+from gateway.backports import timeout
 from gateway.codec.error_text import truncate
 from gateway.core.bad_type import bad_type
 from gateway.core.errors import ProtocolError
@@ -47,7 +48,7 @@ class ClientCode:
         # the event loop goes on to learn types
         definitions = self._definitions.with_told({})
         try:
-            async with asyncio.timeout(TURN_S):
+            async with timeout(TURN_S):
                 await self._turn.acquire()
         except TimeoutError:
             text = "other clients are waiting for code too long: try again"

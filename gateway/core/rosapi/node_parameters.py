@@ -7,6 +7,7 @@ from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from gateway.backports import TaskGroup, timeout
 from gateway.codec.error_text import did_you_mean, truncate
 from gateway.codec.nonfinite import named
 from gateway.codec.types import Types
@@ -185,7 +186,7 @@ class Parameters:
                 places.release()
 
         with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(timeout_s), asyncio.TaskGroup() as group:
+            async with timeout(timeout_s), TaskGroup() as group:
                 for node in sorted(nodes, key=self.unresponsive.noticed_s):
                     await places.acquire()
                     group.create_task(look(node))

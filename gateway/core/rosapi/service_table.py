@@ -4,7 +4,9 @@
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import assert_never, cast
+from typing import cast
+
+from typing_extensions import assert_never
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import Types

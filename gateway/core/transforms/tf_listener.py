@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Final
 
+from gateway.backports import timeout_at
 from gateway.codec.error_text import truncate
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
@@ -86,7 +87,7 @@ class TfListener:
         if self._news is None:
             self._news = asyncio.Event()
         with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout_at(deadline):
+            async with timeout_at(deadline):
                 await self._news.wait()
                 await asyncio.sleep(RETRY_S)
         return True

@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from rclpy.qos import QoSProfile
 
+from gateway.backports import timeout
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.sources.actions import ABORTED, CANCELED, SUCCEEDED, GoalResult
 from gateway.sources.rclpy.action_forms import ActionForm
@@ -214,7 +215,7 @@ class RclpyActionClient:
 
     async def _cancel_if_accepted(self, goal_id: bytes, answer: "asyncio.Future[Any]") -> None:
         with contextlib.suppress(TimeoutError, RosError):  # errors of the server. Nobody waits
-            async with asyncio.timeout(_ABANDONED_S):
+            async with timeout(_ABANDONED_S):
                 if self._form.is_accepted(await answer):  # it would be executed for nobody
                     self.cancel_goal(goal_id)
 

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from typing import Final, TypeVar
 
+from gateway.backports import timeout
 from gateway.codec.types import Types
 from gateway.sources.rclpy.action_forms import ActionForm, MadeActionForm, PackageAction
 from gateway.sources.rclpy.interfaces import action_class, message_class, service_class
@@ -184,7 +185,7 @@ async def why_types_cannot_be_made() -> str | None:
         reason = (error.strerror or type(error).__name__).lower()
         return f"a test whether others can be made did not start: {reason}"
     try:
-        async with asyncio.timeout(_CHECK_S):
+        async with timeout(_CHECK_S):
             said, _ = await process.communicate()
     except TimeoutError:
         return f"a test whether others can be made took over {_CHECK_S} s"

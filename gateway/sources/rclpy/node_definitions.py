@@ -10,6 +10,7 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from itertools import chain
 from typing import Any, Final, NamedTuple
 
+from gateway.backports import timeout
 from gateway.codec.errors import CodecError
 from gateway.codec.types import Types
 from gateway.sources.client_cache import ClientCache
@@ -121,7 +122,7 @@ class NodeDefinitions:
         """Wait until a node that may be asked has introduced itself. See `_holders`."""
         named: Sequence[TypeHolder] = ()
         try:
-            async with asyncio.timeout(ANSWER_S):
+            async with timeout(ANSWER_S):
                 while True:
                     holders = await self._holders(type_name, known)
                     named = [each for each in holders if each.node]
@@ -166,7 +167,7 @@ class NodeDefinitions:
             why = f"a node that has it does not offer {_SERVICE}"
             raise self._left_alone(holder, why, STARTING_S)
         try:
-            async with asyncio.timeout(ANSWER_S):
+            async with timeout(ANSWER_S):
                 answer = await self._call(service, type_name, holder)
             new = self._believed(type_name, holder, answer)
         except TimeoutError:

@@ -5,9 +5,10 @@ import asyncio
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Final, Self, assert_never
+from typing import Final
 
 from rclpy.node import Node
+from typing_extensions import Self, assert_never
 
 from gateway.faults import Fault
 from gateway.guard.supervisor import GuardProcess

@@ -3,13 +3,14 @@
 
 import contextlib
 from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from typing_extensions import Self
 
 from gateway.sources.rclpy.creating import create_publisher
 from gateway.sources.rclpy.errors import REFUSALS, refused

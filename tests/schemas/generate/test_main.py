@@ -4,11 +4,11 @@
 import importlib.util
 import json
 import re
-import tomllib
 from pathlib import Path
 
 import pytest
 
+from schemas.backports import tomllib
 from schemas.generate.__main__ import main
 from schemas.generate.csharp_messages import CSHARP_FOLDER
 from schemas.installed import InstalledDefinitions, installed_prefixes

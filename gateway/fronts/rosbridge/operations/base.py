@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The common base of all operations."""
 
-from typing import Annotated, Any, ClassVar, Final, Self
+from typing import Annotated, Any, ClassVar, Final
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
+from typing_extensions import Self
 
 from gateway.codec.error_text import hint
 from gateway.core.requests import Request

@@ -14,6 +14,7 @@ import gc
 import operator
 from typing import Any, Final
 
+from gateway.backports import call
 from gateway.sources.rclpy.made_types.fast_cdr import FastCdr
 from gateway.sources.rclpy.made_types.type_supports import (
     FASTRTPS,
@@ -81,7 +82,7 @@ class RawMessages:
         self._fast_cdr = FastCdr()
         self._held: dict[int, _MessageInC] = {}  # by address
         of_rmw = {
-            "serialize": _Serialize(operator.call),
+            "serialize": _Serialize(call),
             "size": _Size(operator.attrgetter("size")),
             "deserialize": _Deserialize(self._deserialize),
         }
