@@ -9,19 +9,12 @@ from typing import Any, Final
 
 from gateway.backports import TaskGroup, timeout
 from gateway.codec.error_text import did_you_mean, truncate
-from gateway.codec.nonfinite import named
 from gateway.codec.types import Types
 from gateway.core.bad_type import bad_type
 from gateway.core.deadline import Deadline
 from gateway.core.errors import ProtocolError
 from gateway.core.rosapi.graph_services import is_hidden
-from gateway.core.rosapi.parameter_values import (
-    ParameterType,
-    ParameterValueError,
-    message_of,
-    type_word,
-    value_of,
-)
+from gateway.core.rosapi.parameter_values import ParameterValueError, description, fitted, value_of
 from gateway.core.rosapi.unresponsive_nodes import UnresponsiveNodes
 from gateway.core.service_clients import ServiceClients
 from gateway.sources.source import RosError, RosGraph
@@ -139,7 +132,7 @@ class Parameters:
                 results[name] = SetResult(successful=False, reason="expected a name without U+0000")
                 continue
             try:
-                messages[name] = _fitted(value, present.get(name))
+                messages[name] = fitted(value, present.get(name))
             except ParameterValueError as error:
                 results[name] = SetResult(successful=False, reason=str(error))
         for name, result in (await conversation.set(messages)).items():
@@ -159,7 +152,7 @@ class Parameters:
         asked = sorted(await conversation.declared()) if names is None else names
         found = await conversation.ask_each(_DESCRIBE, asked)
         await conversation.check_declared([name for name in names or () if name not in found])
-        return {name: _description(found[name]) for name in asked if name in found}
+        return {name: description(found[name]) for name in asked if name in found}
 
     async def names_by_node(self, timeout_s: float = ALL_NODES_TIMEOUT_S) -> dict[str, list[str]]:
         """Return the parameters of all nodes that answer in time, sorted, without hidden nodes.
@@ -337,18 +330,6 @@ async def _asked_again(ask: Callable[[], Coroutine[Any, Any, dict[str, Any]]]) -
         await asyncio.gather(*asked, return_exceptions=True)
 
 
-def _fitted(value: object, descriptor: Mapping[str, Any] | None) -> dict[str, object]:
-    """Return the ParameterValue for a parameter with this descriptor, or without (undeclared)."""
-    if descriptor is None:
-        return message_of(value, ParameterType.NOT_SET)
-    try:
-        return message_of(value, ParameterType(descriptor["type"]))
-    except ParameterValueError:
-        if not descriptor["dynamic_typing"]:
-            raise
-        return message_of(value, ParameterType.NOT_SET)
-
-
 def _undeclared(result: SetResult) -> SetResult:
     # rclpy's own reason: "Invalid access to undeclared parameter(s): []"
     return replace(result, reason=f"the node has not declared it: {result.reason}")
@@ -358,21 +339,3 @@ def _reason(result: Mapping[str, Any]) -> str:
     if result["successful"]:
         return ""
     return result["reason"] or "the node refuses it without a reason"
-
-
-def _description(descriptor: Mapping[str, Any]) -> dict[str, object]:
-    description: dict[str, object] = {
-        "type": type_word(descriptor["type"]),
-        "description": descriptor["description"],
-        "additional_constraints": descriptor["additional_constraints"],
-        "read_only": descriptor["read_only"],
-        "dynamic_typing": descriptor["dynamic_typing"],
-    }
-    for limits in (*descriptor["integer_range"], *descriptor["floating_point_range"]):
-        bounds = {
-            "from": limits["from_value"],
-            "to": limits["to_value"],
-            "step": limits["step"],
-        }
-        description["range"] = named(bounds, "string")
-    return description

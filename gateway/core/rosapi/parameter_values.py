@@ -74,6 +74,37 @@ def message_of(value: object, wanted: ParameterType) -> dict[str, object]:
     return {"type": int(type_), f"{type_word(type_)}_value": _converted(value, type_)}
 
 
+def fitted(value: object, descriptor: Mapping[str, Any] | None) -> dict[str, object]:
+    """Return the ParameterValue for a parameter with this descriptor, or without (undeclared)."""
+    if descriptor is None:
+        return message_of(value, ParameterType.NOT_SET)
+    try:
+        return message_of(value, ParameterType(descriptor["type"]))
+    except ParameterValueError:
+        if not descriptor["dynamic_typing"]:
+            raise
+        return message_of(value, ParameterType.NOT_SET)
+
+
+def description(descriptor: Mapping[str, Any]) -> dict[str, object]:
+    """Return a ParameterDescriptor as clients get it."""
+    described: dict[str, object] = {
+        "type": type_word(descriptor["type"]),
+        "description": descriptor["description"],
+        "additional_constraints": descriptor["additional_constraints"],
+        "read_only": descriptor["read_only"],
+        "dynamic_typing": descriptor["dynamic_typing"],
+    }
+    for limits in (*descriptor["integer_range"], *descriptor["floating_point_range"]):
+        bounds = {
+            "from": limits["from_value"],
+            "to": limits["to_value"],
+            "step": limits["step"],
+        }
+        described["range"] = named(bounds, "string")
+    return described
+
+
 def _own_type(value: object) -> ParameterType:
     match value:
         case list():

@@ -7,29 +7,21 @@ never decoded.
 
 import asyncio
 import logging
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Executor
 from typing import Final
 
-from gateway.codec import cbor
 from gateway.codec.cdr import Cdr
-from gateway.codec.chunks import Chunk, Chunks
+from gateway.codec.chunks import Chunks
 from gateway.codec.errors import CodecError
-from gateway.codec.grid_picture import GRID, cbor_grid_renderer, grid_renderer
-from gateway.codec.json_slices import json_slices
+from gateway.codec.grid_picture import GRID, grid_renderer
 from gateway.codec.nonfinite import writer
-from gateway.codec.picture import cbor_picture_renderer, picture_renderer
-from gateway.codec.png import large_text_as_png, text_as_png
+from gateway.codec.picture import picture_renderer
 from gateway.codec.types import MessageType
 from gateway.core.entries import NOT_READY, NOTHING, Frame, NoFrame
 from gateway.core.frames import Meta, PerClient
 from gateway.core.topics.large_samples import (
-    LARGE_ELEMENTS_BYTES,
     LARGE_SAMPLE_BYTES,
-    EncodedTopic,
-    EncodeInSlices,
-    EncodingResources,
     LargeSamples,
 )
 from gateway.core.topics.subscription import EncodingKey, Subscription
@@ -39,9 +31,6 @@ logger = logging.getLogger(__name__)
 
 Encode = Callable[[Cdr], bytes]
 """From CDR to a message as it stands in a frame. Raises `CodecError`."""
-
-# Between slices of a worker. A sleep of 0 gives the GIL back, and takes it before others wake up.
-PAUSE_S: Final = 0.0001
 
 _ENCODED: Final = Sample(b"", 0)
 
@@ -252,56 +241,8 @@ class PerClientFrame:
         return shared.encoding.frames.per_client(message, own)
 
 
-def make_encoding(
-    message_type: MessageType,
-    key: EncodingKey,
-    topic: EncodedTopic,
-    on_error: Callable[[CodecError], None],
-    resources: EncodingResources,
-) -> Encoding:
-    """Return the encoding that a key asks for. *on_error* hears of samples that have no message."""
-    if key.fields == ():
-        return Encoding(key, _nothing_of_it(key), on_error)
-    match key.compression:
-        case "none":
-            encode = _to_json(message_type, key)
-            in_slices = _to_json_slices(message_type, key)
-        case "png":
-            encode = _to_png(message_type, key)
-        case "cbor":
-            encode = _to_cbor(message_type, key)
-            in_slices = _to_cbor_slices(message_type, key)
-        case "cbor-raw":
-            encode = _to_raw_cbor(topic.now_ns)
-            in_slices = _to_raw_cbor_slices(topic.now_ns)
-    if key.image is None and key.compression != "png":
-        large = LargeSamples(in_slices, on_error, topic, resources)
-        has_elements = message_type.holds_elements and key.compression != "cbor-raw"
-        most_at_once = LARGE_ELEMENTS_BYTES if has_elements else LARGE_SAMPLE_BYTES
-        return Encoding(key, encode, on_error, large, most_at_once)
-    return WorkerEncoding(
-        key,
-        encode,
-        on_error,
-        topic=topic.name,
-        on_ready=topic.on_ready,
-        workers=resources.workers,
-    )
-
-
-def _nothing_of_it(key: EncodingKey) -> Encode:
-    """Decode nothing: a client that asks for no fields wants to know that samples come."""
-    match key.compression:
-        case "none":
-            message = b"{}"
-        case "png":
-            message = text_as_png(b"".join(key.framing.text(key.requested_name, (b"{}",))))
-        case "cbor" | "cbor-raw":  # with the latter, fields are refused before
-            message = cbor.head(cbor.MAP, 0)
-    return lambda _: message
-
-
-def _to_json(message_type: MessageType, key: EncodingKey) -> Encode:
+def to_json(message_type: MessageType, key: EncodingKey) -> Encode:
+    """Return what makes JSON of a sample: of a picture or a map, its fields as an image."""
     if key.image is not None and message_type.name == GRID:
         return grid_renderer(message_type)
     if key.image is not None:
@@ -309,77 +250,3 @@ def _to_json(message_type: MessageType, key: EncodingKey) -> Encode:
     decode = message_type.decoder(key.fields)
     write = writer(key.nonfinite)
     return lambda cdr: write(decode(cdr))
-
-
-def _to_json_slices(message_type: MessageType, key: EncodingKey) -> EncodeInSlices:
-    write = writer(key.nonfinite)
-
-    def encode(cdr: Cdr) -> Iterator[Chunk]:
-        # compiled when the first large sample has come
-        value = yield from message_type.sliced_decoder(key.fields)(cdr, write)
-        yield from json_slices(value, write)
-
-    return encode
-
-
-def _to_cbor(message_type: MessageType, key: EncodingKey) -> Encode:
-    if key.image is not None and message_type.name == GRID:
-        return cbor_grid_renderer(message_type)
-    if key.image is not None:
-        return cbor_picture_renderer(message_type, key.image)
-    return message_type.transcoder(key.fields)
-
-
-def _to_cbor_slices(message_type: MessageType, key: EncodingKey) -> EncodeInSlices:
-    def encode(cdr: Cdr) -> Iterator[Chunk]:
-        yield from (yield from message_type.sliced_transcoder(key.fields)(cdr))
-
-    return encode
-
-
-def _to_raw_cbor(now_ns: Callable[[], int]) -> Encode:
-    return lambda cdr: b"".join((_up_to_bytes(now_ns(), len(cdr)), cdr))
-
-
-def _to_raw_cbor_slices(now_ns: Callable[[], int]) -> EncodeInSlices:
-    return lambda cdr: iter((_up_to_bytes(now_ns(), len(cdr)), cdr))
-
-
-def _up_to_bytes(now_ns: int, size: int) -> bytes:
-    """Return the message of `cbor-raw` up to its last member, the CDR."""
-    secs, nsecs = divmod(now_ns, 1_000_000_000)
-    members = {"secs": secs, "nsecs": nsecs}
-    items = [cbor.text(name) + cbor.dumps(value) for name, value in members.items()]
-    # the map has one member more, and its items just follow each other
-    head = cbor.head(cbor.MAP, len(members) + 1)
-    return b"".join((head, *items, cbor.text("bytes"), cbor.head(cbor.OCTETS, size)))
-
-
-def _to_png(message_type: MessageType, key: EncodingKey) -> Encode:
-    """Return the function for a worker."""
-    to_json = _to_json(message_type, key)
-    text, topic = key.framing.text, key.requested_name
-
-    def encode(cdr: Cdr) -> bytes:
-        return text_as_png(b"".join(text(topic, (to_json(cdr),))))
-
-    if key.image is not None or not message_type.may_be_large:
-        return encode
-    decode = message_type.sliced_decoder(key.fields)  # now: it is not compiled in a worker
-    write = writer(key.nonfinite)
-
-    def message(cdr: Cdr) -> Iterator[bytes]:
-        value = yield from decode(cdr, write)
-        yield from map(bytes, json_slices(value, write))
-
-    def encode_any(cdr: Cdr) -> bytes:
-        if len(cdr) <= LARGE_SAMPLE_BYTES:
-            return encode(cdr)
-        return large_text_as_png(text(topic, message(cdr)), _let_others_run)
-
-    return encode_any
-
-
-def _let_others_run() -> None:
-    """Give the GIL to the event loop, which else waits for 5 ms (`sys.getswitchinterval`)."""
-    time.sleep(PAUSE_S)

@@ -3,13 +3,9 @@
 
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor
-from dataclasses import replace
 from functools import partial
 
-from gateway.codec.error_text import did_you_mean, truncate
-from gateway.codec.errors import FieldError
 from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
-from gateway.codec.types import MessageType
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit
 from gateway.core.names import TopicName, resolve_topic
 from gateway.core.requests import Subscribe, Unsubscribe
@@ -19,17 +15,21 @@ from gateway.core.topic_events import TopicEvents
 from gateway.core.topic_types import TopicTypes, TypeAskedError
 from gateway.core.topics.large_samples import EncodingResources
 from gateway.core.topics.picture_adaptation import STEPS, Step
-from gateway.core.topics.requested_pictures import fits_link, requested_picture, why_plain
+from gateway.core.topics.requested_pictures import fits_link, requested_picture
 from gateway.core.topics.requested_qos import subscribed
 from gateway.core.topics.silence_watch import SilenceWatch
+from gateway.core.topics.subscribe_requests import (
+    check_compression,
+    check_fields,
+    report,
+    topic_meant,
+    with_bounded_queue,
+)
 from gateway.core.topics.subscription import EncodingKey, Feed, Subscription, TopicKey
-from gateway.core.topics.subscription_options import SubscriptionOptions, compression
+from gateway.core.topics.subscription_options import SubscriptionOptions
 from gateway.core.topics.topic import Topic
 from gateway.metrics.state import ClientTopic, Delivery
-from gateway.sources.graph import Graph
 from gateway.sources.source import Ros, RosError
-
-_NO_COMPRESSION = frozenset({None, "", "none"})
 
 
 class Subscriptions:
@@ -92,9 +92,9 @@ class Subscriptions:
             RosError: ROS refuses it, and nothing has changed.
         """
         name = resolve_topic(request.topic, session.limits.max_name_characters)
-        _check_compression(request)
+        check_compression(request)
         subscription = self._subscriptions.get(session, {}).get(request.topic)
-        request = _with_bounded_queue(request, session)
+        request = with_bounded_queue(request, session)
         requests = dict(subscription.requests) if subscription else {}
         if request.id not in requests:
             self._check_room(session)
@@ -112,7 +112,7 @@ class Subscriptions:
         if source is not None:
             # its own as well: merged with a request for everything it has none
             message_type = self._types.get(source.topic.type_name)
-            _check_fields(message_type, request.fields)
+            check_fields(message_type, request.fields)
             self._open(source.topic)
         if subscription is None:
             counts = self._counts.open(name)
@@ -124,7 +124,7 @@ class Subscriptions:
         self._apply(subscription, requests, options, source)
         if source is not None and former is not None and source.topic == former.topic:
             self._topics[source.topic].catch_up_again(subscription)
-        self._report(subscription, request, source, asked)
+        report(subscription, request, source, asked, self._ros)
 
     def view(self, session: Session, request: Subscribe) -> None:
         """Subscribe to a topic of pictures that is there.
@@ -136,7 +136,7 @@ class Subscriptions:
         name = resolve_topic(request.topic, session.limits.max_name_characters)
         message_type = self._types.on_topic(name, None) if session.sees(name) else None
         if message_type is None:
-            hint = _topic_meant(name, self._ros.graph(), session)
+            hint = topic_meant(name, self._ros.graph(), session)
             raise ProtocolError("not_found", f"topic {name} is not known{hint}")
         if message_type.name not in {IMAGE, COMPRESSED_IMAGE}:
             text = f"topic {name} is {message_type.name}, but images are {IMAGE} or CompressedImage"
@@ -227,7 +227,7 @@ class Subscriptions:
         message_type = self._types.on_topic(name, options.type)
         if message_type is None:
             return None
-        _check_fields(message_type, options.fields)
+        check_fields(message_type, options.fields)
         image = requested_picture(message_type, options, session.image_format, step)
         is_json = options.compression in {"none", "png"} and image is None
         nonfinite = options.nonfinite if is_json else "null"
@@ -336,61 +336,3 @@ class Subscriptions:
         name = subscription.topic_name
         subscription.close(next((each for each in own.values() if each.topic_name == name), None))
         self._counts.close(subscription.topic_name)
-
-    def _report(
-        self,
-        subscription: Subscription,
-        request: Subscribe,
-        source: Feed | None,
-        asked: TypeAskedError | None,
-    ) -> None:
-        """Tell a client what has become of its request."""
-        session, name = subscription.session, subscription.topic_name
-        if compression(request) == "none" and request.compression not in _NO_COMPRESSION:
-            unknown = truncate(request.compression or "")
-            text = f"compression: {unknown!r} is not available, sending plain JSON"
-            session.warn(ProtocolError("bad_request", text), request)
-        if asked is not None:
-            text = f"topic {name}: {asked.question}, waiting for it"
-            session.inform(text, request)
-        elif source is None:
-            hint = _topic_meant(name, self._ros.graph(), session)
-            text = f"topic {name} is not known yet, waiting for it{hint}"
-            session.warn(ProtocolError("not_found", text), request)
-        else:
-            type_name = source.topic.type_name
-            is_plain = source.encoding.image is None
-            if is_plain and (text := why_plain(request, subscription.options, type_name)):
-                session.warn(ProtocolError("bad_request", text), request)
-            text = f"subscribed to {name} ({type_name})"
-            session.inform(text, request)
-
-
-def _with_bounded_queue(request: Subscribe, session: Session) -> Subscribe:
-    """Return a request whose `queue_length` is allowed. Warn the client of a longer one."""
-    longest = session.limits.max_queue_length
-    if request.queue_length is None or request.queue_length <= longest:
-        return request
-    text = f"queue_length: {request.queue_length} is longer than allowed, {longest} messages wait"
-    warning = ProtocolError("limit_exceeded", f"{text}: for more, raise limits.max_queue_length")
-    session.warn(warning, request)
-    return replace(request, queue_length=longest)
-
-
-def _check_compression(request: Subscribe) -> None:
-    """Refuse fields that cannot be told apart as a message travels, before its type is known."""
-    if request.fields is not None and compression(request) == "cbor-raw":
-        text = "fields: cbor-raw sends whole messages, use cbor to select fields"
-        raise ProtocolError("bad_request", text)
-
-
-def _check_fields(message_type: MessageType, fields: tuple[str, ...] | None) -> None:
-    """Refuse fields that a message has not."""
-    try:
-        message_type.check_fields(fields)
-    except FieldError as error:
-        raise ProtocolError("bad_request", f"fields: {truncate(str(error))}") from error
-
-
-def _topic_meant(topic: str, graph: Graph, session: Session) -> str:
-    return did_you_mean(topic, (each.name for each in graph.topics if session.sees(each.name)))

@@ -14,11 +14,11 @@ from gateway.codec.types import MessageType
 from gateway.core.errors import ProtocolError
 from gateway.core.topic_counts import TopicCounts
 from gateway.core.topic_events import warning
+from gateway.core.topics.encoders import make_encoding
 from gateway.core.topics.encoding import (
     Encoding,
     PerClientFrame,
     SharedFrame,
-    make_encoding,
 )
 from gateway.core.topics.fan_out import Batch, write_directly
 from gateway.core.topics.large_samples import EncodedTopic, EncodingResources

@@ -14,8 +14,7 @@ from gateway.codec.chunks import Chunks
 from gateway.codec.json_slices import SLICE_NUMBERS
 from gateway.codec.nonfinite import writer
 from gateway.core.entries import NOT_READY
-from gateway.core.topics import encoding as encoding_module
-from gateway.core.topics import slices
+from gateway.core.topics import encoders, slices
 from gateway.core.topics.encoding import Encoding, SharedFrame
 from gateway.core.topics.large_samples import (
     LARGE_ELEMENTS_BYTES,
@@ -47,7 +46,7 @@ def one_step_a_turn(monkeypatch: pytest.MonkeyPatch) -> None:
 def encoded(monkeypatch: pytest.MonkeyPatch) -> Iterator[Counter[str]]:
     """Count the large samples that are encoded, by their form."""
     count: Counter[str] = Counter()
-    make_slices = encoding_module._to_json_slices
+    make_slices = encoders.to_json_slices
 
     def counted(message_type: Any, key: Any) -> Any:
         encode = make_slices(message_type, key)
@@ -58,7 +57,7 @@ def encoded(monkeypatch: pytest.MonkeyPatch) -> Iterator[Counter[str]]:
 
         return counting
 
-    monkeypatch.setattr(encoding_module, "_to_json_slices", counted)
+    monkeypatch.setattr(encoders, "to_json_slices", counted)
     return count
 
 
@@ -247,7 +246,7 @@ async def test_a_worker_that_makes_a_png_lets_others_run_between_slices(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, type_name: str
 ):
     pauses: list[float] = []
-    monkeypatch.setattr(encoding_module, "time", SimpleNamespace(sleep=pauses.append))
+    monkeypatch.setattr(encoders, "time", SimpleNamespace(sleep=pauses.append))
     bench.ros.add_publisher("/t", type_name)
     client = await subscribed(bench, type_name, compression="png", nonfinite="string")
     values: dict[str, Any] = {"data": CELLS}
@@ -312,7 +311,7 @@ async def test_a_sample_that_turns_out_to_be_broken_late_is_reported(bench: Benc
 async def test_a_fault_of_ours_is_logged_with_the_topic(
     bench: Bench, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(encoding_module, "json_slices", lambda *_: 1 // 0)
+    monkeypatch.setattr(encoders, "json_slices", lambda *_: 1 // 0)
     bench.ros.add_publisher("/t", GRID)
     await subscribed(bench)
     bench.ros.publish("/t", grid(bench))
