@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real browser on the pages of a real gateway with the simulated robot."""
 
+import asyncio
 import contextlib
 import functools
 from collections.abc import AsyncIterator, Callable
@@ -14,13 +15,14 @@ import pytest_asyncio
 from tests import dds_domain
 from tests.client import Client, client
 from tests.demonstration import demonstration, until_it_can_be_driven
-from tests.gateway_process import GatewayProcess
+from tests.gateway_process import GatewayProcess, gateway_process
 from tests.pages.patient_demo import PATIENT
 
 TIMEOUT_S = 120  # a busy machine starts a browser for a while
 HAS_CHROMIUM = Path("/usr/lib/chromium/chromium-headless-shell").exists()
 CHROMIUM = Path(__file__).with_name("chromium.sh")
 DESK = {"width": 1280, "height": 800}
+OWN_TOPICS = {"/diagnostics", "/parameter_events", "/rosout"}  # of a gateway
 HOW = "no browser: run tools/make-browser.sh as root, and pip install playwright"
 
 OpenPage = Callable[..., AbstractAsyncContextManager["Page"]]  # noqa: F821  # of playwright
@@ -43,6 +45,38 @@ async def browser():
 def nowhere() -> tuple[str, str]:
     """The options of a gateway in a DDS domain without a robot."""
     return "--domain-id", str(dds_domain.claim())
+
+
+@pytest_asyncio.fixture(scope="package", loop_scope="package")
+async def lonely_gateway() -> AsyncIterator[GatewayProcess]:
+    """A gateway without a robot."""
+    async with gateway_process("serve", "--domain-id", str(dds_domain.claim())) as gateway:
+        yield gateway
+
+
+@pytest_asyncio.fixture(loop_scope="package")
+async def served(lonely_gateway: GatewayProcess) -> GatewayProcess:
+    """Return the gateway without a robot once nothing is left of the test before."""
+    async with client(lonely_gateway.url) as looking, asyncio.timeout(TIMEOUT_S):
+        names = {"left"}
+        while names - OWN_TOPICS:
+            await looking.send(op="graph")
+            graph = await looking.receive(lambda frame: frame["op"] == "graph")
+            names = {each["name"] for kind in ("topics", "actions") for each in graph[kind]}
+            names |= {each["name"] for each in graph["services"] if "debug" not in each["name"]}
+    return lonely_gateway
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="package")
+async def evaluate(browser, lonely_gateway):
+    """Return a function that runs a script next to the pages' modules, which it may import."""
+    page = await browser.new_page()
+    wrong: list[str] = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    await page.goto(f"{page_address(lonely_gateway)}style.css")
+    yield page.evaluate
+    await page.close()
+    assert wrong == []
 
 
 @functools.cache

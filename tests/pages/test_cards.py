@@ -7,7 +7,6 @@ import json
 import pytest
 
 from tests.client import client
-from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import NOTE_SENT, PHONE, card, until, until_painted
 from tests.pages.test_drive_page import Watched, drive_by, watched
@@ -23,13 +22,12 @@ NO_POINTS = "CanvasRenderingContext2D.prototype.fillRect = () => { throw new Err
 
 
 async def test_a_view_that_does_not_fit_what_comes_later_says_so_and_others_go_on(
-    open_page, nowhere
+    open_page, served
 ):
     cards = "#card=scan+0+/later&card=trail+0+/later&card=tree+0+/counter"
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as speaker,
-        open_page(page_address(gateway) + cards) as page,
+        client(served.url) as speaker,
+        open_page(page_address(served) + cards) as page,
     ):
         await until(page, "() => document.querySelectorAll('article').length === 3")
         for topic in ("/later", "/counter"):
@@ -58,12 +56,11 @@ async def test_a_view_that_fails_says_so_and_others_go_on(demo, open_page):
         await until(page, f"before => ({tree})() !== before", await page.evaluate(tree))
 
 
-async def test_a_card_says_who_would_have_to_send_something(open_page, nowhere):
+async def test_a_card_says_who_would_have_to_send_something(open_page, served):
     cards = "#card=tree+0+/silent&card=tree+0+/wanted"
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as speaker,
-        open_page(page_address(gateway) + cards) as page,
+        client(served.url) as speaker,
+        open_page(page_address(served) + cards) as page,
     ):
         await speaker.send(op="advertise", topic="/silent", type="std_msgs/String")
         await speaker.send(op="subscribe", topic="/wanted", type="std_msgs/String")
@@ -142,11 +139,10 @@ async def test_a_number_that_is_plotted_already_comes_into_view_and_another_join
         assert (await page.evaluate(kept)).endswith(".position.x pose.pose.position.y")
 
 
-async def test_all_items_of_a_list_can_be_seen_and_plotted(open_page, nowhere):
+async def test_all_items_of_a_list_can_be_seen_and_plotted(open_page, served):
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as speaker,
-        open_page(f"{page_address(gateway)}#card=tree+0+/long") as page,
+        client(served.url) as speaker,
+        open_page(f"{page_address(served)}#card=tree+0+/long") as page,
     ):
         long = {"topic": "/long", "type": "std_msgs/Float32MultiArray", "latch": True}
         await speaker.send(op="advertise", **long)
@@ -166,11 +162,10 @@ async def test_all_items_of_a_list_can_be_seen_and_plotted(open_page, nowhere):
         await until(page, f"() => {label} === 'data.299 299'")
 
 
-async def test_frames_are_shown_as_they_came(open_page, nowhere):
+async def test_frames_are_shown_as_they_came(open_page, served):
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as speaker,
-        open_page(f"{page_address(gateway)}#card=raw+0+/large") as page,
+        client(served.url) as speaker,
+        open_page(f"{page_address(served)}#card=raw+0+/large") as page,
     ):
         await speaker.send(op="advertise", topic="/large", type="std_msgs/Int64", latch=True)
         await speaker.send(op="publish", topic="/large", msg={"data": 2**53 + 1})
@@ -178,15 +173,14 @@ async def test_frames_are_shown_as_they_came(open_page, nowhere):
         await until(page, f"() => {shown}?.includes('\"data\":9007199254740993')")
 
 
-async def test_a_picture_has_its_room_before_it_comes(open_page, nowhere):
+async def test_a_picture_has_its_room_before_it_comes(open_page, served):
     canvas = f"{card('/camera')} canvas"
     size = "canvas => [canvas.getBoundingClientRect().width, canvas.getBoundingClientRect().height]"
     image = {"width": 640, "height": 480, "encoding": "mono8", "step": 640}
     image["data"] = base64.b64encode(bytes(range(256)) * 1200).decode()
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as camera,
-        open_page(f"{page_address(gateway)}#card=image+0+/camera", PHONE) as page,
+        client(served.url) as camera,
+        open_page(f"{page_address(served)}#card=image+0+/camera", PHONE) as page,
     ):
         await page.wait_for_selector(canvas)
         before = await page.eval_on_selector(canvas, size)

@@ -90,13 +90,12 @@ async def test_a_first_visit_by_finger_opens_no_stick_but_the_list_does(demo, op
         assert await page.locator(".stick").count() == 1
 
 
-async def test_a_first_visit_opens_cards_node_by_node_until_the_user_acts(open_page, nowhere):
+async def test_a_first_visit_opens_cards_node_by_node_until_the_user_acts(open_page, served):
     parts = {"/odom": "nav_msgs/Odometry", "/scan": "sensor_msgs/LaserScan"}
     late = {"/image": "sensor_msgs/CompressedImage"}
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as robot,
-        open_page(page_address(gateway)) as page,
+        client(served.url) as robot,
+        open_page(page_address(served)) as page,
     ):
         for topic, its in parts.items():
             await robot.send(op="advertise", topic=topic, type=its)
@@ -305,11 +304,10 @@ async def test_the_list_stays_in_view_while_the_cards_scroll(demo, open_page):
             assert 0 <= box["y"] < DESK["height"]
 
 
-async def test_a_plot_says_the_newest_value_next_to_the_name_of_each_curve(open_page, nowhere):
+async def test_a_plot_says_the_newest_value_next_to_the_name_of_each_curve(open_page, served):
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as speaker,
-        open_page(f"{page_address(gateway)}#card=plot+0+/vector+x+y") as page,
+        client(served.url) as speaker,
+        open_page(f"{page_address(served)}#card=plot+0+/vector+x+y") as page,
     ):
         await speaker.send(
             op="advertise", topic="/vector", type="geometry_msgs/Vector3", latch=True
@@ -380,23 +378,21 @@ async def test_stop_stops_what_another_client_drives(demo, open_page):
         await speaker.receive(lambda frame: frame.get("cause") in {"stop", "deadline"})
 
 
-async def test_without_a_robot_the_page_says_so(open_page, nowhere):
+async def test_without_a_robot_the_page_says_so(open_page, served):
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        open_page(page_address(gateway)) as page,
+        open_page(page_address(served)) as page,
     ):
         await until(page, "() => cards.textContent.includes('There are no topics yet')")
         assert "ros2-gateway demo" in await page.inner_text("#cards")
-        async with client(gateway.url) as speaker:
+        async with client(served.url) as speaker:
             await speaker.send(op="advertise", topic="/scan", type="sensor_msgs/msg/LaserScan")
             await page.wait_for_selector(card("/scan"))
 
 
-async def test_a_card_of_regular_messages_that_stay_away_turns_pale(open_page, nowhere):
+async def test_a_card_of_regular_messages_that_stay_away_turns_pale(open_page, served):
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as speaker,
-        open_page(f"{page_address(gateway)}#card=tree+0+/often&card=tree+0+/once") as page,
+        client(served.url) as speaker,
+        open_page(f"{page_address(served)}#card=tree+0+/often&card=tree+0+/once") as page,
     ):
         for topic in ("/often", "/once"):
             await speaker.send(op="advertise", topic=topic, type="std_msgs/String", latch=True)
@@ -412,11 +408,10 @@ async def test_a_card_of_regular_messages_that_stay_away_turns_pale(open_page, n
         assert [pale[1], usual[1]] == ["1", "1"]  # or no rule says how well a text is read
 
 
-async def test_a_lost_publisher_is_said_until_the_next_message(open_page, nowhere):
+async def test_a_lost_publisher_is_said_until_the_next_message(open_page, served):
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as speaker,
-        open_page(f"{page_address(gateway)}#card=tree+0+/text") as page,
+        client(served.url) as speaker,
+        open_page(f"{page_address(served)}#card=tree+0+/text") as page,
     ):
         about = {"topic": "/text", "type": "std_msgs/String"}
         for text in ("first", "again"):
@@ -430,11 +425,10 @@ async def test_a_lost_publisher_is_said_until_the_next_message(open_page, nowher
             await until(page, "() => cards.textContent.includes('publishes no longer')")
 
 
-async def test_each_card_of_a_topic_says_that_its_publisher_is_lost(open_page, nowhere):
+async def test_each_card_of_a_topic_says_that_its_publisher_is_lost(open_page, served):
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as speaker,
-        open_page(f"{page_address(gateway)}#card=tree+0+/text&card=raw+0+/text") as page,
+        client(served.url) as speaker,
+        open_page(f"{page_address(served)}#card=tree+0+/text&card=raw+0+/text") as page,
     ):
         await speaker.send(op="advertise", topic="/text", type="std_msgs/String", latch=True)
         await speaker.send(op="publish", topic="/text", msg={"data": "first"})

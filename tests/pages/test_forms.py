@@ -8,7 +8,6 @@ import pytest
 
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
-from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address, severable
 from tests.pages.test_debug_page import until
 
@@ -91,15 +90,12 @@ def field(page, title: str, *names: str):
         (OCTETS, "#", "refused: expected numbers from 0 to 255, or base64"),
     ],
 )
-async def test_typed_text_becomes_json_or_a_refusal_in_words(
-    demo, open_page, schema, typed, wanted
-):
-    async with open_page(page_address(demo)) as page:
-        found = await page.evaluate(FIELDS, [schema, typed])
-        if wanted is not None and wanted.startswith("refused: "):
-            assert found.startswith(wanted)
-        else:
-            assert found == wanted
+async def test_typed_text_becomes_json_or_a_refusal_in_words(evaluate, schema, typed, wanted):
+    found = await evaluate(FIELDS, [schema, typed])
+    if wanted is not None and wanted.startswith("refused: "):
+        assert found.startswith(wanted)
+    else:
+        assert found == wanted
 
 
 # a form of a type that has all kinds of fields, and back from JSON
@@ -146,9 +142,8 @@ STAYS = "it stays JSON, because "
         '{"points":[{"x":1},{}]}',
     ],
 )
-async def test_json_that_fits_is_the_same_by_fields(demo, open_page, message):
-    async with open_page(page_address(demo)) as page:
-        assert await page.evaluate(BACK, [json.dumps(ALL_KINDS), message]) == message
+async def test_json_that_fits_is_the_same_by_fields(evaluate, message):
+    assert await evaluate(BACK, [json.dumps(ALL_KINDS), message]) == message
 
 
 @pytest.mark.parametrize(
@@ -173,12 +168,9 @@ async def test_json_that_fits_is_the_same_by_fields(demo, open_page, message):
         ("[]", "it does not fit: expected an object, not []"),
     ],
 )
-async def test_values_that_the_fields_would_lose_stay_json_and_are_named(
-    demo, open_page, message, words
-):
-    async with open_page(page_address(demo)) as page:
-        said = await page.evaluate(BACK, [json.dumps(ALL_KINDS), message])
-        assert said.startswith(STAYS + words)
+async def test_values_that_the_fields_would_lose_stay_json_and_are_named(evaluate, message, words):
+    said = await evaluate(BACK, [json.dumps(ALL_KINDS), message])
+    assert said.startswith(STAYS + words)
 
 
 async def test_a_number_that_no_float64_holds_is_refused_at_its_form(demo, open_page):
@@ -293,12 +285,11 @@ async def test_a_service_is_called_and_what_it_refuses_is_shown(demo, open_page)
         await until(page, "() => cards.textContent.includes('expected true or false')")
 
 
-async def test_only_the_newest_call_has_its_answer_shown(open_page, nowhere):
+async def test_only_the_newest_call_has_its_answer_shown(open_page, served):
     calls = []
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as server,
-        open_page(page_address(gateway) + "#card=call+0+/slow") as page,
+        client(served.url) as server,
+        open_page(page_address(served) + "#card=call+0+/slow") as page,
     ):
         await server.send(op="advertise_service", service="/slow", type="std_srvs/srv/Trigger")
 
@@ -340,14 +331,13 @@ async def test_only_the_newest_call_has_its_answer_shown(open_page, nowhere):
         assert "fourth" not in said
 
 
-async def test_a_form_comes_with_its_topic_and_follows_its_type(open_page, nowhere):
+async def test_a_form_comes_with_its_topic_and_follows_its_type(open_page, served):
     cards = "#card=publish+0+/later&card=call+0+/later_service"
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        open_page(page_address(gateway) + cards) as page,
+        open_page(page_address(served) + cards) as page,
     ):
         await until(page, "() => cards.textContent.includes('/later does not exist')")
-        async with client(gateway.url) as robot:
+        async with client(served.url) as robot:
             service = {"service": "/later_service", "type": "std_srvs/Trigger"}
             await robot.send(op="advertise_service", **service)
             await robot.send(op="advertise", topic="/later", type="std_msgs/Int64")
@@ -355,7 +345,7 @@ async def test_a_form_comes_with_its_topic_and_follows_its_type(open_page, nowhe
             call = page.locator(f"{form('Call /later_service')} button:text-is('Call')")
             await call.wait_for()
             assert "not there" not in await page.inner_text("#cards")
-        async with client(gateway.url) as robot:
+        async with client(served.url) as robot:
             await until(page, "() => !topics.textContent.includes('/later')")
             await robot.send(op="advertise", topic="/later", type="std_msgs/String")
             await until(page, "() => cards.textContent.includes('another type now: std_msgs')")

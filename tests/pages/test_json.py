@@ -4,8 +4,6 @@
 import cbor2
 import pytest
 
-from tests.pages.conftest import page_address
-
 pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 MOST, LEAST = 2**63 - 1, -(2**63)
@@ -34,22 +32,19 @@ FROM_CBOR = """async frame => {
         '{"data":[0.30000000000000004,-1.5,3]}',
     ],
 )
-async def test_json_is_written_with_all_the_digits_that_were_read(demo, open_page, text):
-    async with open_page(page_address(demo)) as page:
-        assert await page.evaluate(READ_AND_WRITTEN, text) == text
+async def test_json_is_written_with_all_the_digits_that_were_read(evaluate, text):
+    assert await evaluate(READ_AND_WRITTEN, text) == text
 
 
-async def test_an_integer_that_fits_a_number_stays_a_number(demo, open_page):
-    async with open_page(page_address(demo)) as page:
-        text = f'[ {MOST},{2**53 - 1},1e17,1,"{MOST}"]'
-        kinds = "bigint number number number string"
-        assert await page.evaluate(KINDS, text) == kinds
+async def test_an_integer_that_fits_a_number_stays_a_number(evaluate):
+    text = f'[ {MOST},{2**53 - 1},1e17,1,"{MOST}"]'
+    kinds = "bigint number number number string"
+    assert await evaluate(KINDS, text) == kinds
 
 
-async def test_long_integers_of_cbor_keep_their_digits(demo, open_page):
+async def test_long_integers_of_cbor_keep_their_digits(evaluate):
     typed = cbor2.CBORTag(79, MOST.to_bytes(8, "little") + (1).to_bytes(8, "little"))
     unsigned = cbor2.CBORTag(71, (2**64 - 1).to_bytes(8, "little"))
     value = [MOST, LEAST, 2**64 - 1, typed, unsigned]
     written = f"[{MOST},{LEAST},{2**64 - 1},[{MOST},1],[{2**64 - 1}]]"
-    async with open_page(page_address(demo)) as page:
-        assert await page.evaluate(FROM_CBOR, list(cbor2.dumps(value))) == written
+    assert await evaluate(FROM_CBOR, list(cbor2.dumps(value))) == written

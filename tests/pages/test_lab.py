@@ -67,6 +67,7 @@ def click_on(page, x, y):
 
 async def test_it_shows_camera_twin_and_text(lab):
     async with lab() as page:
+        assert await page.evaluate("() => document.activeElement.tagName") == "CANVAS"
         await page.wait_for_function("() => lab.television.shown > 1")
         await page.wait_for_function("() => lab.screens.state.text.includes('connected')")
         await page.wait_for_function("() => lab.screens.topic.text.includes('voltage')")
@@ -443,12 +444,20 @@ async def test_a_list_that_has_the_focus_keeps_it_and_drives_nothing(lab):
         assert await page.evaluate("() => lab.screens.commands.text") == "Commands"
 
 
-async def test_enter_is_for_the_room_from_the_first_moment(lab):
-    async with lab() as page:
-        assert await page.evaluate("() => document.activeElement.tagName") == "CANVAS"
-
-
 async def test_a_robot_that_says_nothing_has_no_place(demo, open_page):
     async with open_page(f"{page_address(demo)}lab#odometry=/nowhere", viewport=SMALL) as page:
         await page.evaluate(KEEP)
         await page.wait_for_function("() => lab.screens.state.text.includes('place unknown')")
+
+
+async def test_of_a_huge_scan_the_first_points_are_drawn_and_bad_ranges_are_not(lab):
+    async with lab() as page:
+        scan = """length => {
+            const ranges = new Float32Array(length).fill(1);
+            ranges.set([NaN, Infinity, 0.01, 99]);
+            const about = { angle_min: 0, angle_increment: 0.001, range_min: 0.1, range_max: 9 };
+            lab.twin.scan({ ranges, ...about });
+            return lab.twin.points;
+        }"""
+        assert await page.evaluate(scan, 100) == 96
+        assert await page.evaluate(scan, 10_000) == 4096

@@ -144,10 +144,9 @@ async def test_a_place_where_the_map_has_something_is_refused_in_words(lab):
         await page.wait_for_function("() => approach.textContent.includes('The map ends')")
 
 
-async def test_a_target_beyond_the_walls_is_refused_where_there_is_no_map(open_page, nowhere):
+async def test_a_target_beyond_the_walls_is_refused_where_there_is_no_map(open_page, served):
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        open_page(f"{page_address(gateway)}lab", viewport=SMALL) as page,
+        open_page(f"{page_address(served)}lab", viewport=SMALL) as page,
     ):
         await page.evaluate(KEEP)
         await page.wait_for_function("() => state.textContent === 'connected'")

@@ -4,10 +4,8 @@
 import contextlib
 
 import pytest
-import pytest_asyncio
 
 from tests.client import client
-from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import card, until
 from tests.pages.test_world_views import COUNT
@@ -53,12 +51,6 @@ LINES = "() => [...document.querySelectorAll('.log li')].map((each) => each.text
 PROBLEM = "() => document.querySelector('article > .problem').textContent"
 FOOTER = "() => document.querySelector('article > footer').textContent"
 LABEL = "() => document.querySelector('.u-series:last-child .u-label')?.textContent"
-
-
-@pytest_asyncio.fixture(scope="module", loop_scope="package")
-async def served(nowhere):
-    async with gateway_process("serve", *nowhere) as gateway:
-        yield gateway
 
 
 @pytest.fixture

@@ -197,11 +197,10 @@ async def test_every_topic_is_measured_on_request_and_the_address_keeps_it(demo,
         await until(page, f"() => / Hz · /.test({words('/imu')})")  # a card shows it
 
 
-async def test_the_rate_is_that_of_the_topic_though_two_frames_a_second_come(open_page, nowhere):
+async def test_the_rate_is_that_of_the_topic_though_two_frames_a_second_come(open_page, served):
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as robot,
-        open_page(f"{page_address(gateway)}#measure=all&card=connection+0+/", TALL) as page,
+        client(served.url) as robot,
+        open_page(f"{page_address(served)}#measure=all&card=connection+0+/", TALL) as page,
     ):
         await robot.send(op="advertise", topic="/chatter", type="std_msgs/msg/String")
         shown = f"() => parseFloat({words('/chatter')}) || 0"
@@ -280,12 +279,11 @@ async def test_without_a_robot_the_page_says_so_whatever_is_to_be_measured(open_
         assert await page.is_checked(MEASURE)
 
 
-async def test_a_long_list_makes_the_page_no_longer(open_page, nowhere):
+async def test_a_long_list_makes_the_page_no_longer(open_page, served):
     phone = {"width": 390, "height": 844}
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as robot,
-        open_page(page_address(gateway), phone) as page,
+        client(served.url) as robot,
+        open_page(page_address(served), phone) as page,
     ):
         for number in range(40):
             name = f"/robot/part{number % 4}/topic{number}"
@@ -347,11 +345,10 @@ async def test_a_first_visit_of_who_may_not_drive_has_no_stick(demo, open_page, 
         assert await page.locator(".stick").count() == 0
 
 
-async def test_a_press_that_has_begun_counts_though_topics_come_and_go(open_page, nowhere):
+async def test_a_press_that_has_begun_counts_though_topics_come_and_go(open_page, served):
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as robot,
-        open_page(page_address(gateway) + "#cards=none") as page,
+        client(served.url) as robot,
+        open_page(page_address(served) + "#cards=none") as page,
     ):
         for topic in ("/b", "/c", "/e"):
             await robot.send(op="advertise", topic=topic, type="std_msgs/String")

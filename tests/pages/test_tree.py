@@ -4,7 +4,6 @@
 import pytest
 import pytest_asyncio
 
-from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 
 pytestmark = pytest.mark.asyncio(loop_scope="package")
@@ -29,12 +28,6 @@ async def tree(open_page, served):
         await page.wait_for_selector("#cards > .empty")
         await page.evaluate(TREE)
         yield page
-
-
-@pytest_asyncio.fixture(scope="module", loop_scope="package")
-async def served(nowhere):
-    async with gateway_process("serve", *nowhere) as gateway:
-        yield gateway
 
 
 @pytest.mark.parametrize("label", ["plot data.3", "more of data"])

@@ -96,11 +96,10 @@ async def test_the_drive_page_says_it_and_stops_the_robot_all_the_same(open_page
         await page.click("#stop")
 
 
-async def test_the_drive_page_says_what_cannot_be_shown_until_something_can(open_page, nowhere):
+async def test_the_drive_page_says_what_cannot_be_shown_until_something_can(open_page, served):
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as robot,
-        open_page(f"{page_address(gateway)}drive") as page,
+        client(served.url) as robot,
+        open_page(f"{page_address(served)}drive") as page,
     ):
         await robot.send(op="advertise", topic="/wild", type=SCAN, latch=True)
         await robot.send(op="publish", topic="/wild", msg=NO_HIT | {"ranges": [1e20, 2]})
@@ -131,12 +130,11 @@ async def test_the_drive_page_says_what_cannot_be_shown_until_something_can(open
     ids=["picture", "map"],
 )
 async def test_the_drive_page_says_what_is_empty_until_it_is_not(
-    open_page, nowhere, type_name, place, bad, words, good
+    open_page, served, type_name, place, bad, words, good
 ):
     async with (
-        gateway_process("serve", *nowhere) as gateway,
-        client(gateway.url) as robot,
-        open_page(f"{page_address(gateway)}drive") as page,
+        client(served.url) as robot,
+        open_page(f"{page_address(served)}drive") as page,
     ):
         await robot.send(op="advertise", topic="/wild", type=type_name, latch=True)
         await robot.send(op="publish", topic="/wild", msg=bad)
