@@ -3,7 +3,6 @@ import struct
 
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from gateway.codec.cdr.bounds import TooManyFieldsError
 from gateway.codec.errors import FieldError
@@ -26,12 +25,6 @@ from tests.schemas.test_installed import write_definition
 DEFINITIONS = InstalledDefinitions()
 INTERFACES = DEFINITIONS.names(kind="srv") + DEFINITIONS.names(kind="action")
 PARTS = [part.name for name in INTERFACES for part in DEFINITIONS.interface(name).parts.values()]
-# those that rosbags can read: it knows no wstring
-NARROW = [
-    name
-    for name in PARTS
-    if all(field.type.base != "wstring" for d in DEFINITIONS.closure([name]) for field in d.fields)
-]
 ODOMETRY = "nav_msgs/msg/Odometry"
 SET_BOOL = "std_srvs/srv/SetBool"
 FIBONACCI = "test_msgs/action/Fibonacci"
@@ -104,30 +97,6 @@ def test_the_parts_of_services_and_actions_are_on_the_wire_what_rclpy_says(name,
         assert normalized(part.decode(theirs)) == to_json(values)
         read = deserialize_message(part.encode(to_json(values), 0), ros_class(name))
         assert from_ros(part.definition, DEFINITIONS, read) == values
-
-
-def called_by_rosbags(name):
-    """Return a part's name in rosbags, to which all are messages."""
-    return name.replace("/srv/", "/msg/").replace("/action/", "/msg/")
-
-
-@pytest.fixture(scope="module")
-def rosbags_store():
-    """The parts in rosbags, which shares no code with rclpy."""
-    found = {}
-    for definition in DEFINITIONS.closure(NARROW):
-        found.update(get_types_from_msg(definition.text, called_by_rosbags(definition.name)))
-    store = get_typestore(Stores.EMPTY)
-    store.register(found)
-    return store
-
-
-@pytest.mark.parametrize("name", NARROW)
-def test_rosbags_reads_the_parts_of_services_and_actions(name, types, rosbags_store):
-    part = types.get(name)
-    values = RandomMessages(DEFINITIONS, 7).message(name)
-    read = rosbags_store.deserialize_cdr(part.encode(to_json(values), 0), called_by_rosbags(name))
-    assert from_ros(part.definition, DEFINITIONS, read) == values
 
 
 def test_a_service_is_its_request_and_its_response(types):

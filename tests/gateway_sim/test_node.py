@@ -255,15 +255,6 @@ def test_without_motor_power_commands_are_ignored(robot):
     robot.watcher.until(lambda: robot.x > 0.02, lambda: robot.command(0.2), "motion")
 
 
-def test_reset_leads_back_to_the_start(robot):
-    robot.watcher.until(lambda: robot.x > 0.1, lambda: robot.command(0.26, 0.5), "motion")
-    response = robot.watcher.call(Trigger, "/reset", Trigger.Request())
-    assert response.success
-    seen = len(robot.odometry)
-    robot.watcher.until(lambda: len(robot.odometry) > seen + 5, what="/odom")
-    assert (robot.x, robot.y, robot.heading) == (0, 0, 0)
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it_with_zero(number):
     with child(SIMULATION.format(options="namespace='solo', camera=False"), number):

@@ -237,14 +237,6 @@ async def test_the_page_says_which_names_in_its_address_are_unknown(demo, open_p
         await until(page, "() => cards.textContent.includes('Choose a topic in the list')")
 
 
-async def test_a_page_without_cards_says_how_one_is_opened(demo, open_page):
-    async with open_page(page_address(demo) + "#card=tree+0+/odom") as page:
-        await page.click("button[aria-label='close /odom']")
-        assert "Choose a topic in the list" in await page.inner_text("#cards")
-        await page.click("#topics button:has-text('/imu')")
-        assert "Choose a topic" not in await page.inner_text("#cards")
-
-
 @pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
 async def test_the_focus_goes_to_a_new_card_and_from_a_closed_one_to_the_next(
     demo, open_page, viewport

@@ -3,7 +3,7 @@
 
 import pytest
 
-from schemas.definition import Constant, DefinitionError, Field, FieldType
+from schemas.definition import Constant, DefinitionError, FieldType
 from schemas.definition_text import parse_definition
 
 
@@ -144,35 +144,22 @@ def test_a_constant_is_told_from_a_field_with_a_default():
     assert [field.name for field in definition.fields] == ["field"]
 
 
-def test_the_first_block_of_comments_describes_the_message():
-    definition = parse("# About it.\n#\n# More.\n\n# The x.\nint8 x\n")
-
-    assert definition.comment == "About it.\n\nMore."
-    assert definition.fields[0].comment == "The x."
-
-
-def test_a_first_block_that_touches_a_field_describes_the_field():
-    definition = parse("# The x.\nint8 x\n")
-
-    assert definition.comment == ""
-    assert definition.fields[0].comment == "The x."
-
-
-def test_indented_comments_below_a_comment_of_a_field_continue_it():
-    x, y = parse("int8 x  # first\n        # second\n  # third\n# The y.\nint8 y").fields
-
-    assert x.comment == "first\nsecond\nthird"
-    assert y.comment == "The y."
-
-
-def test_an_indented_comment_below_a_bare_field_belongs_to_the_next():
-    x, y = parse("int8 x\n  # The y.\nint8 y").fields
-
-    assert (x.comment, y.comment) == ("", "The y.")
-
-
-def test_a_comment_next_to_the_last_field_is_kept():
-    assert parse("int8 x # last").fields == (Field("x", FieldType("int8"), None, "last"),)
+@pytest.mark.parametrize(
+    ("text", "comments"),
+    [
+        ("# About it.\n#\n# More.\n\n# The x.\nint8 x\n", ["About it.\n\nMore.", "The x."]),
+        ("# The x.\nint8 x\n", ["", "The x."]),  # a first block that touches a field is its own
+        (
+            "int8 x  # first\n        # second\n  # third\n# The y.\nint8 y",
+            ["", "first\nsecond\nthird", "The y."],
+        ),
+        ("int8 x\n  # The y.\nint8 y", ["", "", "The y."]),
+        ("int8 x # last", ["", "last"]),
+    ],
+)
+def test_comments_describe_the_message_or_the_field_that_they_touch(text, comments):
+    definition = parse(text)
+    assert [definition.comment, *(field.comment for field in definition.fields)] == comments
 
 
 def test_nested_types_are_named_once_in_order():

@@ -201,14 +201,6 @@ def test_a_comment_in_another_encoding_is_read(tmp_path):
     assert InstalledDefinitions([tmp_path]).get("some_msgs/msg/A").fields[0].name == "x"
 
 
-def test_an_earlier_prefix_hides_a_later_one(tmp_path):
-    write_definition(tmp_path / "overlay", "some_msgs/msg/Thing", "int8 ours")
-    write_definition(tmp_path / "below", "some_msgs/msg/Thing", "int8 theirs")
-    definitions = InstalledDefinitions([tmp_path / "overlay", tmp_path / "below"])
-
-    assert definitions.get("some_msgs/msg/Thing").fields[0].name == "ours"
-
-
 def test_a_type_may_be_defined_by_idl_alone(tmp_path):
     write_idl(tmp_path, "some_msgs/msg/Thing", "struct Thing { a_msgs::msg::Other x; };")
     write_definition(tmp_path, "a_msgs/msg/Other", "int8 y")

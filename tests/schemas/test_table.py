@@ -166,29 +166,19 @@ def test_a_service_or_an_action_is_resolved_in_every_form(kind):
 
 
 @pytest.mark.parametrize(
-    "form",
+    ("kind", "form"),
     [
-        "",
-        "1",
-        "SetBool",
-        "std_srvs/message/SetBool",
-        "std_srvs/srv/SetBool_Request",
-        "std_srvs/srv/SetBool\n",
-        "../srv/SetBool",
+        *(("srv", form) for form in ("", "1", "SetBool", "std_srvs/message/SetBool")),
+        *(("srv", f"std_srvs/srv/SetBool{end}") for end in ("_Request", "\n")),
+        ("srv", "../srv/SetBool"),
+        ("action", "SetBool"),
     ],
 )
-def test_an_invalid_service_type_is_refused_with_the_valid_forms(form):
-    with pytest.raises(
-        TypeNameError, match="not a valid service type: expected pkg/srv/Name or pkg/"
-    ):
-        resolve_interface(form, "srv")
-
-
-def test_an_invalid_action_type_is_refused_with_the_valid_forms():
-    with pytest.raises(
-        TypeNameError, match="not a valid action type: expected pkg/action/Name or pkg/"
-    ):
-        resolve_interface("SetBool", "action")
+def test_an_invalid_service_or_action_type_is_refused_with_the_valid_forms(kind, form):
+    noun = "service" if kind == "srv" else "action"
+    words = f"not a valid {noun} type: expected pkg/{kind}/Name or pkg/"
+    with pytest.raises(TypeNameError, match=words):
+        resolve_interface(form, kind)
 
 
 def test_the_name_of_another_kind_is_refused_as_such(table):

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from tests.soak.actor import acting
+from tests.e2e.faults import scene
 from tests.soak.isolation import is_isolated, run
 
 BITS_PER_S: Final = 2_000_000
@@ -105,14 +105,12 @@ async def bad_link(port: int, far: FarNetwork | None) -> AsyncIterator[BadLink]:
 
 @contextlib.asynccontextmanager
 async def _proxy(port: int) -> AsyncIterator[BadLink]:
-    async with acting("throttle", "127.0.0.1", port, BITS_PER_S) as throttle:
-        own_port = await throttle.ask("port")
+    async with scene.link(port) as (proxy, url):
 
         async def cut(is_cut: bool) -> None:
-            throttle.signal(signal.SIGSTOP if is_cut else signal.SIGCONT)
+            proxy.send_signal(signal.SIGSTOP if is_cut else signal.SIGCONT)
 
-        words = "a proxy on loopback that passes 2 Mbit/s on, as there is no network namespace"
-        yield BadLink(words, f"ws://127.0.0.1:{own_port}/", (), cut)
+        yield BadLink("a proxy of any rate, as there is no network namespace", url, (), cut)
 
 
 async def _until_apart(pid: int) -> None:

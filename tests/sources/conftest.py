@@ -5,16 +5,14 @@ import contextlib
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Any, Final, NamedTuple, Protocol, TypeVar, cast
+from typing import Any, Final, NamedTuple, TypeVar
 
 import pytest
 
-from gateway.sources.actions import ActionClient, GoalRequest
 from gateway.sources.rclpy import RosOptions, open_ros
 from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.port import RclpyRos
-from gateway.sources.services import ServiceClient, ServiceRequest
-from gateway.sources.source import Publisher, Qos, Ros, Sample
+from gateway.sources.source import Qos
 from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions
 from tests.sources.fake import FakeRos
@@ -43,41 +41,6 @@ class MadeClasses(MessageClasses):
         return make(self._known)
 
 
-class World(Protocol):
-    """The nodes outside the gateway."""
-
-    def add_publisher(self, topic: str, type_name: str, qos: Qos | None = None) -> Publisher: ...
-
-    def add_described_publisher(self, topic: str, type_name: str, text: str) -> Any: ...
-
-    def add_subscription(
-        self,
-        topic: str,
-        type_name: str,
-        on_samples: Callable[[Sequence[Sample]], None],
-        qos: Qos | None = None,
-    ) -> Any: ...
-
-    def remove_subscription(self, subscription: Any) -> None: ...
-
-    def add_client(self, name: str, type_name: str) -> ServiceClient: ...
-
-    def add_service(
-        self, name: str, type_name: str, on_request: Callable[[ServiceRequest], None]
-    ) -> Any: ...
-
-    def add_action_client(self, name: str, type_name: str) -> ActionClient: ...
-
-    def add_action_server(
-        self,
-        name: str,
-        type_name: str,
-        on_goal: Callable[[GoalRequest], None],
-        on_cancel: Callable[[GoalRequest], None],
-        accepts: Callable[[bytes], bool] = ...,
-    ) -> Any: ...
-
-
 class Recorder(NamedTuple):
     """The world of a recording, which only publishes."""
 
@@ -100,8 +63,8 @@ class Recorder(NamedTuple):
 class Robot:
     """The port under test and the world around it."""
 
-    ros: Ros
-    world: World
+    ros: Any
+    world: Any
 
 
 def known_to(ros: RclpyRos, service: str) -> bool:
@@ -147,7 +110,7 @@ async def _open_robot(request: pytest.FixtureRequest) -> AsyncIterator[Robot]:
         return
     if request.param == "replayed":
         replayed = ReplaySource({})
-        yield Robot(cast("Ros", replayed), cast("World", Recorder(replayed)))
+        yield Robot(replayed, Recorder(replayed))
         return
     outside = request.getfixturevalue("outside")
     if request.param == "made":

@@ -142,25 +142,6 @@ async def test_the_gateway_hears_itself(robot: Robot) -> None:
     )
 
 
-async def test_a_subscription_may_be_closed_by_its_own_callback(robot: Robot) -> None:
-    seen: list[Sample] = []
-
-    def on_samples(samples: Sequence[Sample]) -> None:
-        seen.extend(samples)
-        subscription.close()
-
-    subscription = robot.ros.subscribe("/count", INT32, Qos(), on_samples, lambda _: None)
-    publisher = robot.world.add_publisher("/count", INT32)
-    others, _ = subscribe(robot, "/count")
-
-    def is_over() -> bool:
-        publisher.publish(number(1))
-        return bool(seen) and len(others.cdrs) > len(seen)
-
-    await eventually(is_over)
-    assert robot.ros.diagnosis.entity_count() == 1
-
-
 async def test_messages_of_the_gateway_itself_arrive_and_count_as_no_entity(robot: Robot):
     received, _ = subscribe(robot, "/self")
     count = robot.ros.diagnosis.entity_count()
@@ -473,11 +454,6 @@ async def test_the_profile_stays_when_the_last_publisher_goes(robot: Robot) -> N
     publisher.close()
     await eventually(lambda: not nodes_publishing(robot, "/scan"))
     assert subscription.qos.reliability == "best_effort"
-
-
-async def test_nothing_of_the_profile_is_left_open(robot: Robot) -> None:
-    _, subscription = subscribe(robot, "/scan", qos=Qos(depth=7))
-    assert subscription.qos == Qos("reliable", "volatile", "keep_last", 7)
 
 
 async def test_an_offer_that_cannot_match_is_told_once_in_words(robot: Robot) -> None:

@@ -79,9 +79,3 @@ def test_only_a_few_frames_are_joined(transport, version):
     write(iter(many))
     assert transport.written[1:] == many
     assert MOST_JOINED_BYTES == 262_144
-
-
-@pytest.mark.parametrize("version", DEAF)
-async def test_an_unsound_writelines_is_not_used(connected, version):
-    transport, _, _ = connected
-    assert batch_writer(transport, version) != transport.writelines

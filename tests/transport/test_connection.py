@@ -575,15 +575,6 @@ def test_a_client_that_returns_has_only_the_time_of_its_address(wire, monkeypatc
     again.connection.connection_lost(None)
 
 
-def test_a_client_that_has_left_is_not_served(wire: Wire):
-    wire.server.cost_s = 0.3
-    wire.receive(pings(1, 2, 3))
-    wire.connection.abort()
-    while wire.handles:
-        wire.next_turn()
-    assert wire.pongs == [1]
-
-
 STOP = b'{"op":"stop","id":"s"}'
 STOP_IN_CBOR = b"\xa1\x62op\x64stop"
 

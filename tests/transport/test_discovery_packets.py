@@ -28,11 +28,6 @@ def test_the_address_is_that_of_the_websocket() -> None:
     assert replace(GATEWAY, is_encrypted=True, path="/ros").url("r") == "wss://r:9090/ros"
 
 
-def test_a_question_is_one() -> None:
-    assert is_question(question())
-    assert not is_question(answer(GATEWAY))
-
-
 def test_no_answer_is_longer_than_a_question() -> None:
     longest = FoundGateway(
         id="f" * 16,

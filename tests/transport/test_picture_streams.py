@@ -179,17 +179,6 @@ async def test_a_stream_sends_picture_after_picture(serve: Serve):
         await eventually(lambda: viewers(served) == 0)
 
 
-async def test_a_compressed_image_is_scaled_as_well(serve: Serve):
-    async with serve() as served:
-        publisher = served.ros.add_publisher("/compressed", COMPRESSED_IMAGE)
-        png = cv2.imencode(".png", np.full((40, 80), 90, np.uint8))[1].tobytes()
-        data = base64.b64encode(png).decode()
-        async with view(served, "/stream?topic=/compressed&width=40") as viewer:
-            await eventually(lambda: viewers(served) == 1)
-            publisher.publish(served.cdr(COMPRESSED_IMAGE, format="png", data=data))
-            assert (await viewer.picture()).shape == (20, 40)
-
-
 async def test_equal_viewers_and_subscribers_share_one_encoding(serve: Serve, encoded: list[Any]):
     path = f"/stream?topic={CAMERA}&width=16"
     async with (

@@ -216,11 +216,6 @@ def test_each_field_that_cannot_be_is_refused(decoder, code, offset, value, word
     assert re.search(r"\(byte \d+\)$", text)
 
 
-def test_progressive_pictures_are_refused_with_words(decoder):
-    text = refusal(decoder, encode(picture(40, 23), progressive=1))
-    assert text.startswith("not supported: a progressive JPEG, only baseline is read")
-
-
 def test_a_restart_marker_has_its_number(decoder):
     jpeg = encode(picture(97, 64), restarts=2)
     assert jpeg.count(b"\xff\xd1")

@@ -6,7 +6,6 @@ import random
 import struct
 import traceback
 import tracemalloc
-from functools import partial
 
 import numpy as np
 import pytest
@@ -19,7 +18,6 @@ from gateway.codec.errors import CodecError, FieldError
 from gateway.codec.json import dumps
 from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions
-from tests.codec.cdr.conftest import WITH_WSTRINGS
 from tests.codec.cdr.reference import Writer
 from tests.messages import RandomMessages, normalized, to_json, to_ros
 
@@ -46,26 +44,6 @@ def samples(name, longest=4):
         yield RandomMessages(DEFINITIONS, seed, longest).message(name)
 
 
-def to_rosbags(store, name, values):
-    """Build a message of rosbags. It wants numpy arrays for numbers, lists for the rest."""
-    arguments = {}
-    for field in DEFINITIONS.get(name).fields:
-        kind = field.type
-        value = values[field.name]
-        if not kind.is_primitive:
-            build = partial(to_rosbags, store, kind.base)
-            value = [build(item) for item in value] if kind.is_array else build(value)
-        elif kind.is_array and kind.base not in {"string", "wstring"}:
-            dtype = {"byte": "uint8", "char": "uint8"}.get(kind.base, kind.base)
-            value = np.array(list(value), dtype)
-        elif kind.base == "byte":
-            value = np.uint8(value).astype("int8")  # signed for rosbags, the octet is the same
-        arguments[field.name] = value
-    if not arguments:
-        arguments["structure_needs_at_least_one_member"] = 0
-    return store.types[name](**arguments)
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_messages_of_rclpy_are_decoded_to_the_same_values(name):
     definition = DEFINITIONS.get(name)
@@ -75,14 +53,6 @@ def test_messages_of_rclpy_are_decoded_to_the_same_values(name):
         decoded = decode(cdr)
         assert normalized(decoded) == to_json(values)
         assert list(decoded) == [field.name for field in definition.fields]
-
-
-@pytest.mark.parametrize("name", [name for name in NAMES if name not in WITH_WSTRINGS])
-def test_messages_of_rosbags_are_decoded_to_the_same_values(name, rosbags_store):
-    decode = decoder_of(name)
-    for values in samples(name):
-        cdr = rosbags_store.serialize_cdr(to_rosbags(rosbags_store, name, values), name)
-        assert normalized(decode(bytes(cdr))) == to_json(values)
 
 
 @pytest.mark.parametrize("name", NAMES)

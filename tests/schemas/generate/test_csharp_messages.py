@@ -111,9 +111,3 @@ def test_the_parts_of_services_and_actions_name_what_they_are_parts_of():
     assert 'const string Type = "std_srvs/srv/SetBool_Request";' in services
     assert services.count('const string Service = "std_srvs/srv/SetBool";') == 2
     assert actions.count('const string Action = "test_msgs/action/Fibonacci";') == 3
-
-
-def test_all_of_it_is_deterministic():
-    table = Table.load()
-    first, second = (write(Catalogue.of(table, InstalledDefinitions())) for _ in range(2))
-    assert first == second

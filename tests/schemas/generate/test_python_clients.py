@@ -135,9 +135,3 @@ def test_each_file_says_how_it_was_made():
     for source in [*files(request).values(), text(request)]:
         assert source.startswith(f"# {GENERATED}\n")
         assert GENERATED not in source[len(GENERATED) + 3 :]
-
-
-@pytest.mark.parametrize("write", [files, text])
-def test_all_of_it_is_deterministic(write):
-    first, second = (write(request_of_everything(InstalledDefinitions())) for _ in range(2))
-    assert first == second

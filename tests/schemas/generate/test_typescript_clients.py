@@ -9,7 +9,6 @@ from tests.schemas.generate.client_code import (
     GENERATED,
     awkward_definitions,
     request_of,
-    request_of_everything,
 )
 from tests.schemas.test_installed import write_definition
 
@@ -127,9 +126,3 @@ def test_a_package_that_is_a_keyword_gets_an_underscore(tmp_path):
     assert {"import_.ts", "default_.ts"} <= set(made)
     assert 'import type * as default_ from "./default_.js";' in made["import_.ts"]
     assert "  thing: default_.Thing;" in made["import_.ts"]
-
-
-@pytest.mark.parametrize("write", [files, text])
-def test_all_of_it_is_deterministic(write):
-    first, second = (write(request_of_everything(InstalledDefinitions())) for _ in range(2))
-    assert first == second

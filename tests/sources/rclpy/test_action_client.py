@@ -270,15 +270,6 @@ async def test_a_goal_waits_until_its_feedback_can_be_heard(ros, outside):
     assert len(goals) == 1
 
 
-async def test_an_action_of_this_process_gets_its_goals_at_once(ros, slow, monkeypatch):
-    monkeypatch.setattr(requester, "PACING_S", 1e6)
-    client = ros.actions.action_client("/dock", FIBONACCI)
-    sends = [asyncio.ensure_future(client.send_goal(goal(3), ignore)) for _ in range(15)]
-    await eventually(lambda: len(slow.requests) == len(sends))
-    for sending in sends:
-        sending.cancel()
-
-
 async def test_an_action_of_which_a_part_is_refused_leaves_nothing(ros, monkeypatch):
     def refuse(*_: object, **__: object) -> None:
         raise RuntimeError("not today")

@@ -126,21 +126,8 @@ async def test_goals_beyond_the_limit_are_rejected_until_one_ends(caller: Caller
     assert (await caller.send(goal_id(65))).accepted
 
 
-async def test_a_late_request_gets_the_result(caller: Caller) -> None:
-    [goal] = await started(caller, 1)
-    goal.finish(SUCCEEDED, sequence(4))
-    assert await caller.result(goal_id(1)) == (SUCCEEDED, [4])
-    assert await caller.result(goal_id(1)) == (SUCCEEDED, [4])
-
-
 async def test_the_result_of_an_unknown_goal_is_unknown(caller: Caller) -> None:
     assert await caller.result(goal_id(9)) == (0, [])
-
-
-async def test_a_goal_that_nobody_wants_cancelled_ends_as_aborted(caller: Caller) -> None:
-    [goal] = await started(caller, 1)
-    goal.finish(CANCELED, sequence(4))
-    assert await caller.result(goal_id(1)) == (ABORTED, [4])
 
 
 async def test_a_result_is_kept_for_15_minutes(caller: Caller) -> None:
@@ -199,25 +186,21 @@ async def test_every_change_of_a_status_is_published(caller: Caller) -> None:
     await eventually(lambda: caller.statuses[-1] == {goal_id(1): 5, goal_id(2): 6})
 
 
-async def test_without_id_and_stamp_all_goals_are_canceled(caller: Caller) -> None:
-    goals = await started(caller, 1, 2)
-    assert await caller.cancel() == (0, [goal_id(1), goal_id(2)])
-    assert caller.provider.cancels == goals
-
-
-async def test_a_stamp_cancels_what_was_accepted_until_then(caller: Caller) -> None:
+@pytest.mark.parametrize(
+    ("goal", "until_s", "code", "canceled"),
+    [
+        (NO_ID, 0, 0, [1, 2, 3]),  # without id and stamp: all of them
+        (NO_ID, 101, 0, [1, 2]),
+        (goal_id(3), 100, 0, [1, 3]),
+        (goal_id(9), 0, 2, []),  # which nobody has sent
+    ],
+)
+async def test_goals_are_canceled_by_id_and_by_the_time_of_their_acceptance(
+    caller, goal, until_s, code, canceled
+):
     goals = await started(caller, 1, 2, 3)
-    assert await caller.cancel(until_ns=101 * S) == (0, [goal_id(1), goal_id(2)])
-    assert caller.provider.cancels == goals[:2]
-
-
-async def test_an_id_and_a_stamp_cancel_both(caller: Caller) -> None:
-    await started(caller, 1, 2, 3)
-    assert await caller.cancel(goal_id(3), 100 * S) == (0, [goal_id(1), goal_id(3)])
-
-
-async def test_an_unknown_goal_cannot_be_canceled(caller: Caller) -> None:
-    assert await caller.cancel(goal_id(9)) == (2, [])
+    assert await caller.cancel(goal, until_s * S) == (code, list(map(goal_id, canceled)))
+    assert caller.provider.cancels == [goals[number - 1] for number in canceled]
 
 
 async def test_a_goal_that_has_ended_cannot_be_canceled(caller: Caller) -> None:
