@@ -107,7 +107,7 @@ async def test_a_first_visit_opens_cards_node_by_node_until_the_user_acts(open_p
         assert await page.locator("article").count() == 1
 
 
-async def test_a_first_visit_ends_half_a_minute_after_its_first_card(demo, open_page):
+async def test_a_first_visit_ends_half_a_minute_after_its_first_card(evaluate):
     fill = """async later => {
         const { FirstVisit } = await import("/debug/first_visit.js");
         const opened = [];
@@ -127,9 +127,8 @@ async def test_a_first_visit_ends_half_a_minute_after_its_first_card(demo, open_
         performance.now = now;
         return opened;
     }"""
-    async with open_page(page_address(demo)) as page:
-        assert await page.evaluate(fill, 29_000) == ["/scan", "/odom"]
-        assert await page.evaluate(fill, 31_000) == ["/scan"]
+    assert await evaluate(fill, 29_000) == ["/scan", "/odom"]
+    assert await evaluate(fill, 31_000) == ["/scan"]
 
 
 async def test_that_all_cards_are_closed_is_kept(demo, open_page):

@@ -397,25 +397,23 @@ async def test_a_warning_that_passes_by_itself_is_left_to_the_views(demo, open_p
         )
 
 
-async def test_a_command_after_a_stop_is_refused_in_words_for_the_driver(demo, open_page):
-    async with open_page(f"{page_address(demo)}drive") as page:
-        words = await page.evaluate("""async () => {
-            const { refusal } = await import("/shared/control_words.js");
-            const msg = '/cmd_vel is stopped because commands stopped arriving: publish "msg":{}';
-            return refusal({ code: "tripped", msg });
-        }""")
-        assert words.endswith("To drive on, let go of everything, then press again.")
-        assert "msg" not in words
+async def test_a_command_after_a_stop_is_refused_in_words_for_the_driver(evaluate):
+    words = await evaluate("""async () => {
+        const { refusal } = await import("/shared/control_words.js");
+        const msg = '/cmd_vel is stopped because commands stopped arriving: publish "msg":{}';
+        return refusal({ code: "tripped", msg });
+    }""")
+    assert words.endswith("To drive on, let go of everything, then press again.")
+    assert "msg" not in words
 
 
-async def test_a_late_command_is_refused_in_words_for_the_driver(demo, open_page):
-    async with open_page(f"{page_address(demo)}drive") as page:
-        words = await page.evaluate("""async () => {
-            const { refusal } = await import("/shared/control_words.js");
-            return refusal({ code: "stale_command", msg: "over 250 ms old, by monotonic_ms" });
-        }""")
-        assert words.startswith("Your command arrived late")
-        assert "monotonic" not in words
+async def test_a_late_command_is_refused_in_words_for_the_driver(evaluate):
+    words = await evaluate("""async () => {
+        const { refusal } = await import("/shared/control_words.js");
+        return refusal({ code: "stale_command", msg: "over 250 ms old, by monotonic_ms" });
+    }""")
+    assert words.startswith("Your command arrived late")
+    assert "monotonic" not in words
 
 
 async def test_a_robot_that_does_not_move_is_said_with_its_own_reason(drive, watched):

@@ -209,25 +209,22 @@ async def test_a_missing_transform_is_named(open_page, untold):
         ("odom", "map", "hidden: no transform odom → map"),
     ],
 )
-async def test_a_place_that_nobody_knows_is_told_of_after_a_while(
-    demo, open_page, target, source, words
-):
-    async with open_page(page_address(demo)) as page:
-        said = await page.evaluate(
-            """async ([target, source]) => {
-                const { Placement } = await import("/lab/placement.js");
-                const gateway = { followTransform: () => () => {} };
-                const placement = new Placement(gateway, "hidden", 1, () => {});
-                const now = performance.now;
-                placement.within(target);
-                if (source !== null) placement.of(source);
-                const atOnce = placement.words;
-                performance.now = () => now.call(performance) + 2001;
-                return [atOnce, placement.words];
-            }""",
-            [target, source],
-        )
-        assert said == ["", words]
+async def test_a_place_that_nobody_knows_is_told_of_after_a_while(evaluate, target, source, words):
+    said = await evaluate(
+        """async ([target, source]) => {
+            const { Placement } = await import("/lab/placement.js");
+            const gateway = { followTransform: () => () => {} };
+            const placement = new Placement(gateway, "hidden", 1, () => {});
+            const now = performance.now;
+            placement.within(target);
+            if (source !== null) placement.of(source);
+            const atOnce = placement.words;
+            performance.now = () => now.call(performance) + 2001;
+            return [atOnce, placement.words];
+        }""",
+        [target, source],
+    )
+    assert said == ["", words]
 
 
 @pytest.mark.parametrize(
@@ -241,28 +238,26 @@ async def test_a_place_that_nobody_knows_is_told_of_after_a_while(
     ],
 )
 @pytest.mark.parametrize("turned", [False, True])
-async def test_the_map_judges_a_place_in_any_frame(demo, open_page, place, words, turned):
+async def test_the_map_judges_a_place_in_any_frame(evaluate, place, words, turned):
     cells = [0, 65, -1, 0, 64, 100]
     pose = (10, 20, 1.5707963) if turned else (0, 0, 0)
     if turned:  # a quarter to the left, and away
         place = (10 - place[1], 20 + place[0])
-    async with open_page(page_address(demo)) as page:
-        await page.evaluate(MAKE, {**grid(3, 2, cells), "pose": pose})
-        said = await page.evaluate("([x, y]) => made.refusal({ x, y })", place)
-        assert said.startswith(words) if not words else words in said
+    await evaluate(MAKE, {**grid(3, 2, cells), "pose": pose})
+    said = await evaluate("([x, y]) => made.refusal({ x, y })", place)
+    assert said.startswith(words) if not words else words in said
 
 
-async def test_a_map_without_a_place_is_hidden_and_a_bad_one_changes_nothing(demo, open_page):
-    async with open_page(page_address(demo)) as page:
-        await page.evaluate(MAKE, {**grid(3, 2, [0] * 6, (-1, -0.5)), "pose": (0, 0, 0)})
-        assert await page.evaluate("() => [made.world.visible, made.reach]") == [True, 1]
-        bad = "async (map) => { await made.take(map); return said; }"
-        assert "6 values" in await page.evaluate(bad, grid(9, 9, [0] * 6))
-        nowhere = grid(3, 2, [0] * 6, (None, 0))
-        assert "a place in it is not a number" in await page.evaluate(bad, nowhere)
-        assert await page.evaluate("() => made.size") == {"width": 3, "height": 2}
-        await page.evaluate("() => made.place(null)")
-        assert await page.evaluate("() => [made.world.visible, made.reach]") == [False, 0]
+async def test_a_map_without_a_place_is_hidden_and_a_bad_one_changes_nothing(evaluate):
+    await evaluate(MAKE, {**grid(3, 2, [0] * 6, (-1, -0.5)), "pose": (0, 0, 0)})
+    assert await evaluate("() => [made.world.visible, made.reach]") == [True, 1]
+    bad = "async (map) => { await made.take(map); return said; }"
+    assert "6 values" in await evaluate(bad, grid(9, 9, [0] * 6))
+    nowhere = grid(3, 2, [0] * 6, (None, 0))
+    assert "a place in it is not a number" in await evaluate(bad, nowhere)
+    assert await evaluate("() => made.size") == {"width": 3, "height": 2}
+    await evaluate("() => made.place(null)")
+    assert await evaluate("() => [made.world.visible, made.reach]") == [False, 0]
 
 
 async def test_walls_give_way_to_a_map_that_reaches_beyond_them(lab):
@@ -280,17 +275,16 @@ async def test_walls_give_way_to_a_map_that_reaches_beyond_them(lab):
 
 
 @pytest.mark.parametrize(("columns", "rows"), [(3000, 3000), (40_000, 3)])
-async def test_a_huge_map_costs_a_picture_of_bounded_size(demo, open_page, columns, rows):
-    async with open_page(page_address(demo)) as page:
-        width, height = await page.evaluate(
-            """async ([info, columns, rows]) => {
-                const { FloorMap } = await import("/lab/floor_map.js");
-                const map = new FloorMap({ tell: () => {}, untell: () => {} });
-                await map.take({ info, data: new Int8Array(columns * rows) });
-                const { image } = map.world.getObjectByProperty("type", "Mesh").material.map;
-                return [image.width, image.height];
-            }""",
-            [grid(columns, rows, [])["info"], columns, rows],
-        )
-        assert width * height <= 1024 * 1024
-        assert max(width, height) <= 4096
+async def test_a_huge_map_costs_a_picture_of_bounded_size(evaluate, columns, rows):
+    width, height = await evaluate(
+        """async ([info, columns, rows]) => {
+            const { FloorMap } = await import("/lab/floor_map.js");
+            const map = new FloorMap({ tell: () => {}, untell: () => {} });
+            await map.take({ info, data: new Int8Array(columns * rows) });
+            const { image } = map.world.getObjectByProperty("type", "Mesh").material.map;
+            return [image.width, image.height];
+        }""",
+        [grid(columns, rows, [])["info"], columns, rows],
+    )
+    assert width * height <= 1024 * 1024
+    assert max(width, height) <= 4096

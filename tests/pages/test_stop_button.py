@@ -95,15 +95,14 @@ async def test_each_way_to_press_it_stops_once(demo, open_page):
         assert counts == [1, 2, 2, 3, 3, 4, 5]
 
 
-async def test_the_page_says_truly_who_stopped_the_robot(demo, open_page):
-    async with open_page(f"{page_address(demo)}drive") as page:
-        words = await page.evaluate("""async () => {
-            const { sentence } = await import("/shared/control_words.js");
-            const frame = { state: "stopped", tripped: false, holder: null, guard: "ready" };
-            return [true, false].map(
-                (isStopper) => sentence({ ...frame, cause: "stop", isStopper }));
-        }""")
-        assert words == ["Stopped: you pressed STOP.", "Stopped: another client pressed STOP."]
+async def test_the_page_says_truly_who_stopped_the_robot(evaluate):
+    words = await evaluate("""async () => {
+        const { sentence } = await import("/shared/control_words.js");
+        const frame = { state: "stopped", tripped: false, holder: null, guard: "ready" };
+        return [true, false].map(
+            (isStopper) => sentence({ ...frame, cause: "stop", isStopper }));
+    }""")
+    assert words == ["Stopped: you pressed STOP.", "Stopped: another client pressed STOP."]
 
 
 async def test_nothing_moves_while_space_holds_stop(drive, watched: Watched):
@@ -140,18 +139,17 @@ async def test_nothing_moves_while_a_finger_rests_on_stop(demo, open_page):
 
 
 @pytest.mark.parametrize("end", ["keyup", "blur"])
-async def test_stop_is_held_until_its_key_is_up_or_nobody_can_tell(demo, open_page, end):
-    async with open_page(f"{page_address(demo)}drive") as page:
-        held = """async ([end]) => {
-            const { hold, isHeld } = await import("/shared/stop_held.js");
-            const before = isHeld();
-            hold("Space");
-            const during = isHeld();
-            const Kind = end === "blur" ? Event : KeyboardEvent;
-            window.dispatchEvent(new Kind(end, { code: "Space" }));
-            return [before, during, isHeld()];
-        }"""
-        assert await page.evaluate(held, [end]) == [False, True, False]
+async def test_stop_is_held_until_its_key_is_up_or_nobody_can_tell(evaluate, end):
+    held = """async ([end]) => {
+        const { hold, isHeld } = await import("/shared/stop_held.js");
+        const before = isHeld();
+        hold("Space");
+        const during = isHeld();
+        const Kind = end === "blur" ? Event : KeyboardEvent;
+        window.dispatchEvent(new Kind(end, { code: "Space" }));
+        return [before, during, isHeld()];
+    }"""
+    assert await evaluate(held, [end]) == [False, True, False]
 
 
 async def test_no_form_moves_anything_while_stop_is_held(demo, open_page):

@@ -61,9 +61,8 @@ def words(topic: str) -> str:
         (["/ab/x", "/abc/y"], ["/ab/x = /ab/x", "/abc/y = /abc/y"]),
     ],
 )
-async def test_topics_that_share_a_namespace_stand_in_a_branch(demo, open_page, names, tree):
-    async with open_page(page_address(demo)) as page:
-        assert await page.evaluate(TREE, names) == tree
+async def test_topics_that_share_a_namespace_stand_in_a_branch(evaluate, names, tree):
+    assert await evaluate(TREE, names) == tree
 
 
 async def test_a_branch_is_closed_and_what_is_searched_is_found_all_the_same(demo, open_page):
@@ -313,7 +312,7 @@ async def test_a_long_list_makes_the_page_no_longer(open_page, served):
         ([(0, 1), (500, 2)], "0.4 Hz"),  # and none for 2.5 s
     ],
 )
-async def test_a_rate_is_that_of_the_numbers_whatever_comes_when(demo, open_page, came, hz):
+async def test_a_rate_is_that_of_the_numbers_whatever_comes_when(evaluate, came, hz):
     reckon = """async came => {
         const { Arrivals } = await import("/shared/arrivals.js");
         const { now: clock } = performance;
@@ -328,8 +327,7 @@ async def test_a_rate_is_that_of_the_numbers_whatever_comes_when(demo, open_page
         performance.now = clock;
         return words;
     }"""
-    async with open_page(page_address(demo)) as page:
-        assert (await page.evaluate(reckon, came)).startswith(f"{hz} · ")
+    assert (await evaluate(reckon, came)).startswith(f"{hz} · ")
 
 
 async def test_a_first_visit_of_who_may_not_drive_has_no_stick(demo, open_page, tmp_path):
