@@ -11,9 +11,7 @@ ones (pictures, scans, maps). The queues of each kind share their part by start-
 
 import itertools
 from collections import deque
-from collections.abc import Sequence
 from heapq import heappop, heappush
-from math import inf
 from typing import Final
 
 from gateway.codec.chunks import Chunk, Chunks
@@ -25,6 +23,7 @@ from gateway.core.entries import (
     QueueOwner,
     WriteDirectly,
 )
+from gateway.core.fair_queueing import Kind, Progress, fair_part
 
 # Of so many entries of a queue that have waited, one is timed when it is sent.
 TIMED_EVERY: Final = 16
@@ -50,10 +49,9 @@ class Queue:
         "depth",
         "discarded",
         "dropped",
-        "finish_bytes",
-        "finish_kind",
         "max_bytes",
         "owner",
+        "progress",
         "sent",
         "sent_bytes",
         "size",
@@ -75,9 +73,7 @@ class Queue:
         self.dropped = 0
         self.discarded = 0  # could not be encoded, or nobody wanted them any more
         self.coalesced = 0  # never came here: a throttle let a newer one pass in their place
-        # the end of the bytes that it has sent, by the clock of this kind: start-time fair queueing
-        self.finish_bytes = 0.0
-        self.finish_kind: _Kind | None = None
+        self.progress = Progress()
 
     @property
     def pending(self) -> int:
@@ -85,7 +81,7 @@ class Queue:
         return len(self.waiting) + (self.claimed is not None)
 
     @property
-    def kind(self) -> "_Kind":
+    def kind(self) -> Kind:
         """The queues that it shares the link with, by its next entry. There must be one."""
         entry = self.waiting[0] if self.claimed is None else self.claimed
         return self._outbox.large if entry.size > LARGE_FRAME_BYTES else self._outbox.small
@@ -202,8 +198,8 @@ class Outbox:
         self._control_size = 0
         self.bytes_per_s: float | None = None  # of the link, None if it is not too slow
         self._queues: list[Queue] = []
-        self.small = _Kind(1 - LARGE_SHARE)
-        self.large = _Kind(LARGE_SHARE)
+        self.small = Kind(1 - LARGE_SHARE)
+        self.large = Kind(LARGE_SHARE)
         self._clock = 0.0  # the start of the kind that was served last
         # of queues that were closed
         self._closed_coalesced = 0
@@ -295,24 +291,24 @@ class Outbox:
     def _take_queued(self, taken: list[Chunk], left: int) -> list[Chunk]:
         """Add frames of the queues, those first that have had least. Each waits in a heap."""
         order = itertools.count()
-        waiting: dict[_Kind, list[tuple[float, int, Queue]]] = {self.small: [], self.large: []}
+        waiting: dict[Kind, list[tuple[float, int, Queue]]] = {self.small: [], self.large: []}
 
         def enter(queue: Queue) -> None:
             kind = queue.kind
-            heappush(waiting[kind], (kind.start(queue), next(order), queue))
+            heappush(waiting[kind], (kind.start(queue.progress), next(order), queue))
 
         for queue in self._queues:
             if queue.pending:
                 enter(queue)
         while left > 0 and (kinds := [kind for kind, queues in waiting.items() if queues]):
-            for kind in kinds:  # one that had nothing to send is owed nothing
-                kind.finish_bytes = max(kind.finish_bytes, self._clock)
+            for kind in kinds:
+                kind.catch_up(self._clock)
             kind = min(kinds, key=lambda kind: kind.finish_bytes)
             self._clock = kind.finish_bytes
             start, _, queue = heappop(waiting[kind])
             frame = queue.next()
             size = 0 if frame is None else len(frame)
-            kind.serve(queue, start, size)
+            kind.serve(queue.progress, start, size)
             if frame is not None:
                 taken += [frame] if isinstance(frame, bytes) else frame.parts
                 left -= size
@@ -346,38 +342,7 @@ class Outbox:
         """Drop what the link does not drain in time, except for the newest entry of each queue."""
         for kind in (self.small, self.large):
             queues = [queue for queue in self._queues if queue.waiting and queue.kind is kind]
-            most = _fair_part([queue.behind_bytes for queue in queues], drained_bytes * kind.share)
+            most = fair_part([queue.behind_bytes for queue in queues], drained_bytes * kind.share)
             for queue in queues:
                 while queue.behind_bytes > most:
                     queue.drop_oldest()
-
-
-class _Kind:
-    """Queues whose next entry is small, or large. They share their part of the link equally."""
-
-    __slots__ = ("_clock", "finish_bytes", "share")
-
-    def __init__(self, share: float) -> None:
-        self.share = share
-        self.finish_bytes = 0.0  # of the whole link, by the clock of the outbox
-        self._clock = 0.0  # the start of the queue that was served last
-
-    def start(self, queue: Queue) -> float:
-        """Return where a queue goes on. For a time with nothing of this kind it is owed nothing."""
-        return max(queue.finish_bytes, self._clock) if queue.finish_kind is self else self._clock
-
-    def serve(self, queue: Queue, start: float, size: int) -> None:
-        """Count a frame that was taken from a queue."""
-        self._clock = max(self._clock, start)
-        queue.finish_bytes, queue.finish_kind = start + size, self
-        self.finish_bytes += size / self.share
-
-
-def _fair_part(wanted: Sequence[float], room: float) -> float:
-    """Return what each may have at most, so that all together have no more than the room."""
-    for taken, least in enumerate(sorted(wanted)):
-        part = room / (len(wanted) - taken)
-        if least > part:
-            return part
-        room -= least
-    return inf
