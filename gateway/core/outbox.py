@@ -2,7 +2,7 @@
 """All that waits for one client: control frames, which overtake, and bounded queues.
 
 No entry is encoded before its turn to be sent: a sample that is dropped was never decoded. An entry
-that comes while nothing waits and the socket has room is written directly.
+that comes while nothing ready waits and the socket has room is written directly.
 
 If the link is too slow for everything, its bytes are shared between small entries (state) and large
 ones (pictures, scans, maps). The queues of each kind share their part by start-time fair queueing
@@ -108,7 +108,7 @@ class Queue:
         """
         outbox = self._outbox
         write_directly = outbox.write_directly
-        if write_directly is not None and not (more or outbox.size):
+        if write_directly is not None and not (more or outbox.may_have_ready or self.size):
             written = write_directly(entry)
             if written:
                 self.sent += 1
@@ -193,6 +193,9 @@ class Outbox:
         self.write_directly: WriteDirectly | None = None
         self.socket: PacedSocket | None = None
         self.size = 0
+        # something came since all that was ready was taken. Pictures that wait for their encoding
+        # keep nobody else waiting
+        self.may_have_ready = False
         self.control_sent = 0
         self._control: deque[bytes] = deque()
         self._control_size = 0
@@ -286,10 +289,17 @@ class Outbox:
         # now, not for each entry that comes: it looks at all queues
         if self.size and self.bytes_per_s is not None:
             self._freshen(self.bytes_per_s * FRESH_S)
-        return self._take_queued(taken, left) if self.size else taken
+        self.may_have_ready = False  # to encode may add a status
+        if self.size:
+            left = self._take_queued(taken, left)
+        self.may_have_ready |= left <= 0
+        return taken
 
-    def _take_queued(self, taken: list[Chunk], left: int) -> list[Chunk]:
-        """Add frames of the queues, those first that have had least. Each waits in a heap."""
+    def _take_queued(self, taken: list[Chunk], left: int) -> int:
+        """Add frames of the queues, those first that have had least. Each waits in a heap.
+
+        Return how many more bytes could be taken.
+        """
         order = itertools.count()
         waiting: dict[Kind, list[tuple[float, int, Queue]]] = {self.small: [], self.large: []}
 
@@ -314,7 +324,7 @@ class Outbox:
                 left -= size
                 if queue.pending:
                     enter(queue)
-        return taken
+        return left
 
     def drains(self, bytes_per_s: float | None) -> None:
         """Take note of the rate at which the link drains. ``None`` if nobody needs to care."""
@@ -327,6 +337,7 @@ class Outbox:
     def grow(self, size: int) -> None:
         """Account for bytes that came or, negative, went."""
         self.size += size
+        self.may_have_ready |= size > 0
 
     def shed(self) -> None:
         """Drop until the budget holds, or until one last entry is left to send."""

@@ -226,6 +226,32 @@ def test_nothing_is_written_directly_past_what_waits():
     assert socket.written == [b"4"]
 
 
+def test_an_entry_that_is_not_ready_keeps_only_its_own_queue_waiting():
+    outbox = Outbox(1000)
+    socket = Socket(outbox)
+    queue, other = outbox.open_queue(10, None), outbox.open_queue(10, None)
+    picture = Item(b"1", ready=False)
+    queue.put(picture)
+    assert outbox.take(EVERYTHING) == []
+    other.put(Item(b"2"))
+    queue.put(Item(b"3"))
+    picture.ready = True
+    assert (socket.written, outbox.take(EVERYTHING)) == ([b"2"], [b"1", b"3"])
+    other.put(Item(b"4"))
+    assert socket.written == [b"2", b"4"]
+
+
+def test_nothing_is_written_directly_past_what_a_take_has_left():
+    outbox = Outbox(1000)
+    socket = Socket(outbox)
+    queue, other = outbox.open_queue(10, None), outbox.open_queue(10, None)
+    for text in (b"1", b"2"):
+        queue.put(Item(text), more=True)
+    assert outbox.take(1) == [b"1"]
+    other.put(Item(b"3"))
+    assert socket.written == []
+
+
 def test_an_entry_that_others_follow_waits_for_them():
     outbox = Outbox(1000)
     socket = Socket(outbox)

@@ -44,9 +44,9 @@ def write_directly(
 
     Return the others.
 
-    It does the same as `Subscription.offer` without a throttle, if nothing waits and the link has
-    room. It saves the calls and looks at few objects of a client, because finding these in memory
-    is the cost of a further client.
+    It does the same as `Subscription.offer` without a throttle, if nothing that is ready waits and
+    the link has room. It saves the calls and looks at few objects of a client, because finding
+    these in memory is the cost of a further client.
     """
     others: list[Subscription] = []
     frames: bytes | None = None
@@ -58,7 +58,8 @@ def write_directly(
         queue = subscription.queue
         if (
             socket is None
-            or outbox.size
+            or outbox.may_have_ready
+            or queue.size
             or socket.room_bytes <= 0
             or not subscription.is_direct
             or session.reads_ascii_only

@@ -88,6 +88,11 @@ def waiting(client: Client) -> None:
     client.session.outbox.put_control(b"an answer")
 
 
+def waiting_for_an_older_one(client: Client) -> None:
+    client.subscription.queue.put(Entry(NOT_READY))
+    assert client.session.outbox.take(1000) == []
+
+
 def gone(client: Client) -> None:
     client.session.outbox.disconnect()
 
@@ -122,6 +127,17 @@ def test_a_busy_subscription_is_left_to_others_and_delays_no_other(
     assert clients[place].written == []
     assert clients[place].room_bytes == room_bytes
     assert clients[place].subscription.delivery == Delivery()
+
+
+def test_a_sample_overtakes_pictures_that_are_not_ready_but_no_older_sample():
+    clients = [Client(), Client()]
+    for client in clients:
+        other = client.session.outbox.open_queue(1, None)
+        other.put(Entry(NOT_READY))
+        assert client.session.outbox.take(1000) == []
+    waiting_for_an_older_one(clients[1])
+    assert fan_out(Entry(), clients) == [clients[1]]
+    assert clients[0].written == [FRAME]
 
 
 @pytest.mark.parametrize(
