@@ -173,6 +173,7 @@ def push_failing(client: Socketless) -> None:
 
 
 async def test_a_driver_hears_of_a_robot_that_no_command_reaches(scene: Scene):
+    watcher = scene.sender(op="events")
     client = scene.sender(op="advertise", topic="/cmd_vel", type=TWIST)
     latched = Qos("reliable", "transient_local")
     scene.ros.add_subscription("/cmd_vel", TWIST, lambda _: None, latched)
@@ -186,6 +187,7 @@ async def test_a_driver_hears_of_a_robot_that_no_command_reaches(scene: Scene):
     code, text = client.statuses[-1]
     assert code == "type_conflict"
     assert text.endswith("publish std_msgs/msg/String")
+    assert [each["code"] for each in watcher.of("event")] == ["qos_incompatible", code]
 
 
 async def test_a_robot_may_join_while_its_topic_is_opened(scene: Scene, monkeypatch):
@@ -732,7 +734,7 @@ async def test_a_robot_that_comes_up_while_the_stick_is_pushed_does_not_move(sce
 @pytest.mark.parametrize("others", [0, 1, 3])
 @pytest.mark.parametrize("is_reported", [True, False], ids=["reported", "unreported"])
 async def test_a_robot_that_restarts_while_the_stick_is_pushed_does_not_move(
-    scene: Scene, others: int, *, is_clean: bool, is_reported: bool
+    scene: Scene, others: int, monkeypatch, *, is_clean: bool, is_reported: bool
 ):
     for _ in range(others):
         scene.listen()
@@ -742,8 +744,10 @@ async def test_a_robot_that_restarts_while_the_stick_is_pushed_does_not_move(
     await scene.settle()
     if is_clean:
         robot.close()
+    if not is_reported:  # by the graph, only by the publisher
+        monkeypatch.setattr(scene.ros, "changed", lambda: None)
     heard = scene.listen()
-    if is_reported:  # else by the publisher alone, before the graph does it
+    if is_reported:
         await eventually(lambda: scene.guard.verbs.count("open") == 2)
     push(client)
     await eventually(lambda: len(heard) >= 3)
@@ -755,6 +759,27 @@ async def test_a_robot_that_restarts_while_the_stick_is_pushed_does_not_move(
     code, text = client.statuses[-1]
     assert code == "tripped"
     assert "another node began to listen" in text
+
+
+async def test_a_robot_that_is_found_while_a_command_goes_out_hears_a_zero_at_once(
+    scene: Scene, monkeypatch
+):
+    client = scene.client()
+    push(client, type=TWIST)
+    await scene.settle()
+    monkeypatch.setattr(scene.ros, "changed", lambda: None)  # the graph reports nothing
+    [publisher] = [each for each in scene.ros.publishers if each.topic == "/cmd_vel"]
+    publish, heard = publisher.publish, []
+
+    def join_and_publish(cdr: bytes) -> None:
+        monkeypatch.setattr(publisher, "publish", publish)
+        heard.append(scene.listen())
+        publish(cdr)
+
+    monkeypatch.setattr(publisher, "publish", join_and_publish)
+    push(client)
+    await eventually(lambda: bool(heard) and 0.0 in speeds(heard[0]))
+    assert speeds(heard[0])[:2] == [0.2, 0.0]
 
 
 async def test_a_page_that_shows_the_commands_does_not_stop_the_robot(scene: Scene):
