@@ -86,7 +86,7 @@ HISTORIES = {
         f"go 20ms [ go*{BACKLOG + 4} ] causes=backlog >go,zero is=tripped"
     ),
     "after 250 ms of commands many at once are no backlog": (
-        f"go 250ms [ go*{BACKLOG + 1} ] causes=none is=moving"
+        f"go 250ms [ go*{4 * BACKLOG} ] causes=none is=moving"
     ),
     "a command that is proved fresh moves though many zeros came before it": (
         f"[ zero*{BACKLOG + 1} ] go=fresh causes=none is=moving"

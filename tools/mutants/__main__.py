@@ -43,11 +43,12 @@ class MutantError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A mutant, the file of tests that noticed it, if any did, and the seconds that it took."""
+    """A mutant, the tests that noticed it, if any did, the seconds that it took, and its diff."""
 
     mutant: Mutant
     killer: str | None
     took_s: float
+    difference: str
 
 
 class Copies:
@@ -70,6 +71,7 @@ class Copies:
         copy = self._free.get()
         path = copy / mutant.file
         whole = path.read_bytes()
+        difference, killer = _difference(mutant, whole), None
         try:
             for tests in stages_of(mutant.file, self._root):
                 path.write_bytes(mutant.broken(whole))
@@ -77,11 +79,11 @@ class Copies:
                 path.write_bytes(whole)
                 if killer is not None:
                     self._check(copy, killer)
-                    return Trial(mutant, killer, time.monotonic() - started_s)
+                    break
         finally:
             path.write_bytes(whole)
             self._free.put(copy)
-        return Trial(mutant, None, time.monotonic() - started_s)
+        return Trial(mutant, killer, time.monotonic() - started_s, difference)
 
     def _check(self, copy: Path, tests: str) -> None:
         if tests not in self._good:  # at the second time a busy machine is not to blame
@@ -120,22 +122,22 @@ def run(
         return [tried.result() for tried in tries]
 
 
-def verdict(
-    trials: Sequence[Trial], root: Path = ROOT, report: Callable[[str], None] = print
-) -> bool:
+def verdict(trials: Sequence[Trial], report: Callable[[str], None] = print) -> bool:
     """Report survivors as a diff, and the share of each room. Return whether enough are killed."""
-    survivors = [trial.mutant for trial in trials if trial.killer is None]
-    for mutant in survivors:
-        whole = (root / mutant.file).read_bytes()
-        texts = (text.decode().splitlines() for text in (whole, mutant.broken(whole)))
-        places = f"a/{mutant.file}", f"b/{mutant.file}"
-        report("\n".join(["", *difflib.unified_diff(*texts, *places, n=2, lineterm="")]))
-    tried = Counter(_room(trial.mutant) for trial in trials)
-    survived = Counter(map(_room, survivors))
+    survivors = [trial for trial in trials if trial.killer is None]
+    for trial in survivors:
+        report(f"\n{trial.difference}")
+    tried, survived = (Counter(_room(each.mutant) for each in some) for some in (trials, survivors))
     for room, count in [*sorted(tried.items()), ("all", len(trials))]:
         killed = count - (survived[room] if room != "all" else len(survivors))
         report(f"{room:30} {count:5} mutants {killed:5} killed {killed / count:5.0%}")
     return len(trials) - len(survivors) >= MIN_KILLED * len(trials)
+
+
+def _difference(mutant: Mutant, whole: bytes) -> str:
+    texts = (text.decode().splitlines() for text in (whole, mutant.broken(whole)))
+    places = f"a/{mutant.file}", f"b/{mutant.file}"
+    return "\n".join(difflib.unified_diff(*texts, *places, n=2, lineterm=""))
 
 
 def _room(mutant: Mutant) -> str:

@@ -780,6 +780,8 @@ async def test_a_robot_that_is_found_while_a_command_goes_out_hears_a_zero_at_on
     push(client)
     await eventually(lambda: bool(heard) and 0.0 in speeds(heard[0]))
     assert speeds(heard[0])[:2] == [0.2, 0.0]
+    client.send(op="control")
+    assert client.of("control")[0]["cause"] == "reader"
 
 
 async def test_a_page_that_shows_the_commands_does_not_stop_the_robot(scene: Scene):
