@@ -469,8 +469,10 @@ async def test_control_is_taken_held_and_given_back(scene: Scene):
     assert (answer["holder"], answer["tripped"], answer["cause"]) == ("you", True, "takeover")
     one.send(op="control", topic="cmd_vel")
     assert one.of("control")[0]["holder"] == "other"
+    assert [drive.is_leased for drive in scene.router.control().drives] == [True]
     two.send(op="release_control")
     assert two.of("release_control")[0]["holder"] is None
+    assert [drive.is_leased for drive in scene.router.control().drives] == [False]
 
 
 async def test_control_is_taken_over_once_a_second_at_most(scene: Scene, clock: StoppedClock):
