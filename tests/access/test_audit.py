@@ -72,6 +72,12 @@ def test_no_text_ends_its_line_or_is_longer_than_allowed(text):
     assert json.loads(line)["reason"] == text[:MAX_FACT_CHARACTERS]
 
 
+def test_a_long_text_is_truncated(clock):
+    lines: list[str] = []
+    Audit(clock, lines.append).record("refused", reason="x" * 10_000)
+    assert json.loads(lines[0])["reason"] == "x" * 200
+
+
 def test_a_flood_of_one_kind_is_bounded_counted_and_hides_no_other(clock):
     lines: list[str] = []
     audit = Audit(clock, lines.append)

@@ -4,7 +4,7 @@
 The publisher is in the gateway's own process: nothing is taken until all are published.
 """
 
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator
 from typing import Any
 
 import pytest
@@ -22,13 +22,6 @@ STRING = "std_msgs/msg/String"
 TYPES = Types(InstalledDefinitions())
 BURST = 500
 DEEP = Qos(depth=1000)
-
-
-@pytest.fixture
-def outside() -> Iterator[Outside]:
-    outside = Outside()
-    yield outside
-    outside.close()
 
 
 @pytest.fixture

@@ -1,11 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The gateway's own /diagnostics, as another process of ROS hears it."""
 
-import contextlib
-from collections.abc import Iterator
 from typing import Any
-
-import pytest
 
 from gateway.codec.types import Types
 from gateway.sources.source import Qos, Sample
@@ -50,12 +46,6 @@ class Monitor:
     def value(self, component: str, key: str) -> str:
         values = self.newest[f"ros2_gateway: {component}"]["values"]
         return next(each["value"] for each in values if each["key"] == key)
-
-
-@pytest.fixture
-def outside() -> Iterator[Outside]:
-    with contextlib.closing(Outside()) as outside:
-        yield outside
 
 
 async def test_ros_tools_see_each_component_and_when_something_is_wrong(outside: Outside):

@@ -4,11 +4,9 @@
 import asyncio
 import base64
 import json
-from collections.abc import Iterator
 from typing import Any
 
 import cbor2
-import pytest
 from websockets.asyncio.client import connect
 
 from gateway.codec.types import Types
@@ -23,13 +21,6 @@ GRID = "nav_msgs/msg/OccupancyGrid"
 IMAGE = "sensor_msgs/msg/Image"
 CELLS = [-1, 0, 100] * 300_000
 LATCHED = Qos(durability="transient_local", depth=1)
-
-
-@pytest.fixture
-def outside() -> Iterator[Outside]:
-    outside = Outside()
-    yield outside
-    outside.close()
 
 
 async def test_a_large_picture_comes_in_each_form(outside: Outside):

@@ -2,7 +2,6 @@
 """Two hundred clients that vanish in the middle of things leave nothing behind."""
 
 import asyncio
-import contextlib
 import json
 import random
 import signal
@@ -111,12 +110,6 @@ async def at_rest(gateway: GatewayProcess, most: dict[str, int] | None = None) -
             ):
                 return found
             await asyncio.sleep(0.2)  # asking opens a connection
-
-
-@pytest.fixture
-def outside() -> Iterator[Outside]:
-    with contextlib.closing(Outside()) as outside:
-        yield outside
 
 
 async def test_everything_that_rough_clients_had_open_is_closed_and_forgotten(

@@ -4,7 +4,7 @@
 import asyncio
 import re
 import sys
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator
 from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any
@@ -47,13 +47,6 @@ class Way:
         """The files in order. Generated code belongs to none."""
         found = (code.co_filename for code in self.calls if code.co_filename.startswith(ROOT))
         return list(dict.fromkeys(found))
-
-
-@pytest.fixture
-def outside() -> Iterator[Outside]:
-    outside = Outside()
-    yield outside
-    outside.close()
 
 
 @pytest.fixture

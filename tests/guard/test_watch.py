@@ -12,6 +12,12 @@ def watch() -> CommandWatch:
     return watch
 
 
+def moving() -> CommandWatch:
+    guard = watch()
+    guard.moving(T, 0)
+    return guard
+
+
 def zeros(watch: CommandWatch, now_ns: int, until_ns: int, heard_from_ns: int = 0) -> list[int]:
     """Return the times of the zeros that go out, at each due time."""
     sent = []
@@ -25,8 +31,7 @@ def zeros(watch: CommandWatch, now_ns: int, until_ns: int, heard_from_ns: int = 
 
 
 def test_a_silent_gateway_is_noticed_after_the_time_and_not_before():
-    guard = watch()
-    guard.moving(T, 0)
+    guard = moving()
     guard.moving(T, 100 * MS)
     assert guard.due_ns == 100 * MS + SILENCE_NS
     assert guard.silent(100 * MS + SILENCE_NS - 1) == []
@@ -37,8 +42,7 @@ def test_a_silent_gateway_is_noticed_after_the_time_and_not_before():
 
 
 def test_a_gateway_that_has_stopped_the_robot_may_be_silent_and_may_end():
-    guard = watch()
-    guard.moving(T, 0)
+    guard = moving()
     guard.rest(T)
     assert guard.due_ns is None
     guard.lost(1)
@@ -46,15 +50,13 @@ def test_a_gateway_that_has_stopped_the_robot_may_be_silent_and_may_end():
 
 
 def test_the_guard_acts_at_once_for_a_gateway_that_is_gone():
-    guard = watch()
-    guard.moving(T, 0)
+    guard = moving()
     guard.lost(5 * MS)
     assert zeros(guard, 5 * MS, 10_000 * MS)[0] == 5 * MS
 
 
 def test_the_end_of_the_pipe_begins_the_stop_only_once():
-    guard = watch()
-    guard.moving(T, 0)
+    guard = moving()
     guard.lost(0)
     assert guard.zeros(0, lambda topic: True) == [T]
     guard.lost(10 * MS)
@@ -62,8 +64,7 @@ def test_the_end_of_the_pipe_begins_the_stop_only_once():
 
 
 def test_a_gateway_that_moves_the_robot_again_ends_the_guards_stop():
-    guard = watch()
-    guard.moving(T, 0)
+    guard = moving()
     guard.silent(SILENCE_NS)
     guard.zeros(SILENCE_NS, lambda topic: True)
     guard.moving(T, SILENCE_NS + MS)
@@ -72,30 +73,21 @@ def test_a_gateway_that_moves_the_robot_again_ends_the_guards_stop():
 
 
 def test_zeros_that_no_robot_hears_do_not_count_for_a_while():
-    guard = watch()
-    guard.moving(T, 0)
+    guard = moving()
     guard.lost(0)
     sent = zeros(guard, 0, 20_000 * MS, heard_from_ns=1000 * MS)
     assert sent[-1] == 1200 * MS
     guard.moving(T, 0)
     guard.lost(0)
     sent = zeros(guard, 0, 20_000 * MS, heard_from_ns=10**18)
-    assert sent[-1] == UNHEARD_NS + (ZEROS - 1) * 50 * MS
+    assert sent[-1] == UNHEARD_NS + (ZEROS - 1) * 50 * MS <= 4200 * MS
 
 
 def test_a_robot_that_misses_one_announcement_of_the_guard_hears_the_whole_stop():
-    guard = watch()
-    guard.moving(T, 0)
+    guard = moving()
     guard.lost(0)
     sent = zeros(guard, 0, 20_000 * MS, heard_from_ns=3000 * MS)  # when DDS repeats it
     assert sum(each >= 3000 * MS for each in sent) == ZEROS
-
-
-def test_without_a_robot_a_guard_ends_soon_after_4_s():
-    guard = watch()
-    guard.moving(T, 0)
-    guard.lost(0)
-    assert zeros(guard, 0, 20_000 * MS, heard_from_ns=10**18)[-1] <= 4200 * MS
 
 
 def test_a_topic_that_is_not_open_is_not_watched():

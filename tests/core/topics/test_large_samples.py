@@ -65,7 +65,10 @@ def grid(bench: Bench, cells: list[int] = CELLS) -> bytes:
     return bench.cdr(GRID, data=cells)
 
 
-async def subscribed(bench: Bench, type_name: str = GRID, **options: Any) -> Socketless:
+def subscribed(bench: Bench, type_name: str = GRID, **options: Any) -> Socketless:
+    """Return a client of a topic that a node publishes, or has published before."""
+    if not any(each.topic == "/t" for each in bench.ros.publishers):
+        bench.ros.add_publisher("/t", type_name)
     return bench.sender(op="subscribe", topic="/t", type=type_name, **options)
 
 
@@ -90,8 +93,7 @@ def payload(client: Socketless) -> bytes:
 
 
 async def test_a_large_message_is_the_text_that_a_small_one_would_be(bench: Bench):
-    bench.ros.add_publisher("/t", GRID)
-    client = await subscribed(bench)
+    client = subscribed(bench)
     bench.ros.publish("/t", grid(bench))
     await client.sees(1)
     whole = writer("null")(bench.types.get(GRID).decode(grid(bench)))
@@ -99,9 +101,8 @@ async def test_a_large_message_is_the_text_that_a_small_one_would_be(bench: Benc
 
 
 async def test_others_have_their_turn_while_a_large_message_is_encoded(bench: Bench):
-    bench.ros.add_publisher("/t", GRID)
     bench.ros.add_publisher("/small", STRING)
-    client = await subscribed(bench)
+    client = subscribed(bench)
     other = bench.client()
     (encoding,) = encodings(bench)
     other.send(op="subscribe", topic="/small", type=STRING)
@@ -114,8 +115,7 @@ async def test_others_have_their_turn_while_a_large_message_is_encoded(bench: Be
 
 
 async def test_small_samples_are_encoded_at_once(bench: Bench, encoded: Counter[str]):
-    bench.ros.add_publisher("/t", GRID)
-    client = await subscribed(bench)
+    client = subscribed(bench)
     assert LARGE_SAMPLE_BYTES == 262_144
     overhead = len(grid(bench, []))
     for size in (LARGE_SAMPLE_BYTES - overhead, LARGE_SAMPLE_BYTES - overhead + 1):
@@ -136,8 +136,7 @@ async def test_messages_of_elements_are_large_earlier(
     bench: Bench, compression: str, more: int, is_large: bool
 ):
     assert LARGE_ELEMENTS_BYTES == 32_768
-    bench.ros.add_publisher("/t", TEXTS)
-    client = await subscribed(bench, TEXTS, compression=compression)
+    client = subscribed(bench, TEXTS, compression=compression)
     (encoding,) = encodings(bench)
     asked: list[Any] = []
     encode = encoding._large.encode
@@ -152,8 +151,7 @@ async def test_messages_of_elements_are_large_earlier(
 
 
 async def test_a_small_sample_does_not_overtake_a_large_one(bench: Bench):
-    bench.ros.add_publisher("/t", GRID)
-    client = await subscribed(bench, queue_length=3)
+    client = subscribed(bench, queue_length=3)
     for cells in (CELLS, [1], [2]):
         bench.ros.publish("/t", grid(bench, cells))
     await client.sees(3)
@@ -161,8 +159,7 @@ async def test_a_small_sample_does_not_overtake_a_large_one(bench: Bench):
 
 
 async def test_of_samples_that_come_while_one_is_encoded_the_newest_is_next(bench: Bench):
-    bench.ros.add_publisher("/t", GRID)
-    client = await subscribed(bench, meta=True)
+    client = subscribed(bench, meta=True)
     (encoding,) = encodings(bench)
     bench.ros.publish("/t", grid(bench))
     await begun(encoding)
@@ -197,9 +194,8 @@ async def test_one_large_sample_of_an_encoding_is_encoded_at_a_time():
 
 
 async def test_a_frame_stays_in_pieces_and_its_message_is_shared(bench: Bench):
-    bench.ros.add_publisher("/t", GRID)
-    shared = [await subscribed(bench) for _ in range(2)]
-    meta = await subscribed(bench, meta=True)
+    shared = [subscribed(bench) for _ in range(2)]
+    meta = subscribed(bench, meta=True)
     bench.ros.publish("/t", grid(bench))
     for client in (*shared, meta):
         await client.sees(1)
@@ -212,9 +208,8 @@ async def test_a_frame_stays_in_pieces_and_its_message_is_shared(bench: Bench):
 
 @pytest.mark.parametrize("form", ["null", "string", "token"])
 async def test_non_finite_numbers_have_the_form_that_was_asked_for(bench: Bench, form: str):
-    bench.ros.add_publisher("/t", NUMBERS)
     cdr = bench.cdr(NUMBERS, data=[1.5, "NaN", "-Infinity"] * 15_000)
-    client = await subscribed(bench, NUMBERS, nonfinite=form)
+    client = subscribed(bench, NUMBERS, nonfinite=form)
     bench.ros.publish("/t", cdr)
     await client.sees(1)
     expected = writer(form)(bench.types.get(NUMBERS).decode(cdr))  # type: ignore[arg-type]
@@ -223,9 +218,8 @@ async def test_non_finite_numbers_have_the_form_that_was_asked_for(bench: Bench,
 
 @pytest.mark.parametrize("compression", ["cbor", "cbor-raw"])
 async def test_cbor_is_not_copied(bench: Bench, compression: str):
-    bench.ros.add_publisher("/t", GRID)
-    plain = await subscribed(bench, compression=compression)
-    meta = await subscribed(bench, compression=compression, meta=True)
+    plain = subscribed(bench, compression=compression)
+    meta = subscribed(bench, compression=compression, meta=True)
     cdr = grid(bench)
     bench.ros.publish("/t", cdr)
     for client in (plain, meta):
@@ -247,8 +241,7 @@ async def test_a_worker_that_makes_a_png_lets_others_run_between_slices(
 ):
     pauses: list[float] = []
     monkeypatch.setattr(encoders, "time", SimpleNamespace(sleep=pauses.append))
-    bench.ros.add_publisher("/t", type_name)
-    client = await subscribed(bench, type_name, compression="png", nonfinite="string")
+    client = subscribed(bench, type_name, compression="png", nonfinite="string")
     values: dict[str, Any] = {"data": CELLS}
     if type_name == NUMBERS:
         values = {"data": ["NaN", 1.5] * 30_000, "layout": {"dim": [{"label": "größe"}]}}
@@ -264,8 +257,7 @@ async def test_a_worker_that_makes_a_png_lets_others_run_between_slices(
 
 
 async def test_fragments_of_a_large_message_amount_to_it(bench: Bench):
-    bench.ros.add_publisher("/t", GRID)
-    client = await subscribed(bench, fragment_size=100_000)
+    client = subscribed(bench, fragment_size=100_000)
     bench.ros.publish("/t", grid(bench))
     fragments = await client.sees(9, "fragment")
     assert fragments[0]["total"] == len(fragments)
@@ -273,10 +265,7 @@ async def test_fragments_of_a_large_message_amount_to_it(bench: Bench):
 
 
 async def test_ros_sharp_gets_escapes_in_a_large_message_too(bench: Bench):
-    bench.ros.add_publisher("/t", STRING)
-    client = await subscribed(
-        bench, STRING, compression="none", fragment_size=ROS_SHARP, queue_length=0
-    )
+    client = subscribed(bench, STRING, compression="none", fragment_size=ROS_SHARP, queue_length=0)
     text = "größe \U0001f916" * 30_000
     bench.ros.publish("/t", bench.cdr(STRING, data=text))
     assert (await client.sees(1))[0]["msg"]["data"] == text
@@ -287,8 +276,7 @@ async def test_ros_sharp_gets_escapes_in_a_large_message_too(bench: Bench):
 async def test_a_large_sample_that_cannot_be_decoded_is_reported_once(
     bench: Bench, compression: str
 ):
-    bench.ros.add_publisher("/t", GRID)
-    client = await subscribed(bench, compression=compression)
+    client = subscribed(bench, compression=compression)
     for _ in range(3):
         bench.ros.publish("/t", grid(bench)[:-1])
         await bench.settle()
@@ -300,8 +288,7 @@ async def test_a_large_sample_that_cannot_be_decoded_is_reported_once(
 
 async def test_a_sample_that_turns_out_to_be_broken_late_is_reported(bench: Bench):
     path = "nav_msgs/msg/Path"
-    bench.ros.add_publisher("/t", path)
-    client = await subscribed(bench, path)
+    client = subscribed(bench, path)
     bench.ros.publish("/t", bench.cdr(path, poses=[{}] * 5000)[:-1])
     await client.sees(1, "status")
     assert client.statuses[0][0] == "invalid_value"
@@ -312,8 +299,7 @@ async def test_a_fault_of_ours_is_logged_with_the_topic(
     bench: Bench, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(encoders, "json_slices", lambda *_: 1 // 0)
-    bench.ros.add_publisher("/t", GRID)
-    await subscribed(bench)
+    subscribed(bench)
     bench.ros.publish("/t", grid(bench))
     await eventually(lambda: bool(caplog.records))
     (record,) = caplog.records
@@ -324,34 +310,33 @@ async def test_late_subscribers_with_equal_options_cause_one_encoding(
     bench: Bench, encoded: Counter[str]
 ):
     bench.ros.add_publisher("/t", GRID, LATCHED)
-    early = await subscribed(bench)
+    early = subscribed(bench)
     bench.ros.publish("/t", grid(bench))
     await early.sees(1)
     for meta in (False, True):
-        late = await subscribed(bench, meta=meta)
+        late = subscribed(bench, meta=meta)
         await late.sees(1)
         assert late.messages == early.messages
         assert late.wires[1] is early.wires[1]
-    other = await subscribed(bench, nonfinite="string")
+    other = subscribed(bench, nonfinite="string")
     await other.sees(1)
     assert encoded == {"null": 1, "string": 1}
 
 
 async def test_a_newer_sample_takes_the_place_of_the_kept_one(bench: Bench, encoded: Counter[str]):
     bench.ros.add_publisher("/t", GRID, LATCHED)
-    early = await subscribed(bench)
+    early = subscribed(bench)
     for count, cells in enumerate((CELLS, CELLS[1:]), 1):
         bench.ros.publish("/t", grid(bench, cells))
         await early.sees(count)
-    late = await subscribed(bench)
+    late = subscribed(bench)
     await late.sees(1)
     assert late.messages == [early.messages[1]]
     assert encoded == {"null": 2}
 
 
 async def test_nothing_is_kept_of_a_topic_that_is_not_latched(bench: Bench):
-    bench.ros.add_publisher("/t", GRID)
-    client = await subscribed(bench)
+    client = subscribed(bench)
     bench.ros.publish("/t", grid(bench))
     await client.sees(1)
     assert bench.router._subscriptions._resources.kept.size == 0
@@ -359,7 +344,7 @@ async def test_nothing_is_kept_of_a_topic_that_is_not_latched(bench: Bench):
 
 async def test_kept_messages_go_with_the_last_subscription(bench: Bench):
     bench.ros.add_publisher("/t", GRID, LATCHED)
-    client = await subscribed(bench)
+    client = subscribed(bench)
     bench.ros.publish("/t", grid(bench))
     await client.sees(1)
     kept = bench.router._subscriptions._resources.kept
@@ -370,7 +355,7 @@ async def test_kept_messages_go_with_the_last_subscription(bench: Bench):
 
 async def test_a_message_that_is_ready_after_the_last_subscription_is_not_kept(bench: Bench):
     bench.ros.add_publisher("/t", GRID, LATCHED)
-    client = await subscribed(bench)
+    client = subscribed(bench)
     (encoding,) = encodings(bench)
     bench.ros.publish("/t", grid(bench))
     await begun(encoding)
@@ -382,8 +367,7 @@ async def test_a_message_that_is_ready_after_the_last_subscription_is_not_kept(b
 
 
 async def test_a_message_that_nobody_waits_for_is_not_encoded_to_the_end(bench: Bench):
-    bench.ros.add_publisher("/t", GRID)
-    client = await subscribed(bench)
+    client = subscribed(bench)
     (encoding,) = encodings(bench)
     bench.ros.publish("/t", grid(bench))
     await begun(encoding)

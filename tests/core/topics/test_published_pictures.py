@@ -96,8 +96,7 @@ def paused(monkeypatch: pytest.MonkeyPatch) -> Iterator[PausedDecoding]:
     ],
 )
 async def test_ros_gets_the_pixels_of_a_png(bench: Bench, pixels, encoding):
-    heard = listen(bench)
-    client = advertising(bench)
+    heard, client = listen(bench), advertising(bench)
     header = {"stamp": {"sec": 7, "nanosec": 8}, "frame_id": "eye"}
     publish(client, message(np.ascontiguousarray(pixels), header=header))
     await eventually(lambda: len(heard) == 1)
@@ -110,8 +109,7 @@ async def test_ros_gets_the_pixels_of_a_png(bench: Bench, pixels, encoding):
 
 
 async def test_a_jpeg_in_cbor_needs_no_base64_and_is_stamped_now(bench: Bench):
-    heard = listen(bench)
-    client = advertising(bench)
+    heard, client = listen(bench), advertising(bench)
     smooth = np.full((6, 8, 3), (10, 100, 200), np.uint8)
     msg = {"header": {}, "format": "jpeg", "data": coded(smooth, ".jpg")}
     client.send_raw(cbor2.dumps({"op": "publish", "topic": TOPIC, "msg": msg}))
@@ -122,8 +120,7 @@ async def test_a_jpeg_in_cbor_needs_no_base64_and_is_stamped_now(bench: Bench):
 
 
 async def test_pictures_of_the_gateway_can_be_sent_back(bench: Bench):
-    heard = listen(bench)
-    client = advertising(bench)
+    heard, client = listen(bench), advertising(bench)
     client.send(op="subscribe", topic="/camera", type=IMAGE, image={"format": "png"})
     camera = bench.ros.add_publisher("/camera", IMAGE)
     fields = {"height": 6, "width": 8, "encoding": "bgr8", "step": 24}
@@ -145,8 +142,7 @@ async def test_pictures_of_the_gateway_can_be_sent_back(bench: Bench):
     ],
 )
 async def test_an_invalid_picture_is_refused_with_the_reason(bench: Bench, msg, words):
-    heard = listen(bench)
-    client = advertising(bench)
+    heard, client = listen(bench), advertising(bench)
     publish(client, msg, id="p")
     await client.sees(1, "status")
     (status,) = client.of("status")
@@ -192,8 +188,7 @@ def named(name: str) -> dict[str, Any]:
 
 
 async def test_while_one_is_decoded_the_newest_waits(bench: Bench, paused: PausedDecoding):
-    heard = listen(bench)
-    client = advertising(bench)
+    heard, client = listen(bench), advertising(bench)
     publish(client, named("0"))
     await eventually(lambda: paused.begun == ["0"])
     for number in range(1, 5):
@@ -244,8 +239,7 @@ async def test_waiting_pictures_of_a_client_fit_in_one_message(
 async def test_pictures_that_are_ready_too_late_are_not_published(
     bench: Bench, paused: PausedDecoding, ends: str
 ):
-    heard = listen(bench)
-    client = advertising(bench)
+    heard, client = listen(bench), advertising(bench)
     publish(client, named("late"))
     await eventually(lambda: paused.begun == ["late"])
     publish(client, named("waits"))

@@ -223,18 +223,6 @@ async def test_meta_numbers_samples_and_counts_what_was_dropped(bench: Bench):
     assert client.frames[0]["received"] == {"sec": 1_700_000_000, "nanosec": 0}
 
 
-async def test_a_late_client_gets_what_a_transient_local_topic_keeps(bench: Bench):
-    bench.ros.add_publisher("/map", STRING, LATCHED)
-    bench.say("/map", "walls")
-    early, late = bench.client(), bench.client()
-    early.send(op="subscribe", topic="/map")
-    await early.sees(1)
-    late.send(op="subscribe", topic="/map")
-    await late.sees(1)
-    await bench.settle()
-    assert early.messages == late.messages == [{"data": "walls"}]
-
-
 async def test_an_offer_that_does_not_match_is_told_to_everyone_concerned(bench: Bench):
     bench.ros.add_publisher("/scan", STRING, Qos(reliability="best_effort"))
     one, other = bench.client(), bench.client()
@@ -256,13 +244,6 @@ async def test_samples_that_a_paused_client_loses_are_never_decoded(bench: Bench
     client.resume()
     assert client.messages == [{"data": "newest"}]
     assert client.statuses == []
-
-
-async def test_a_throttled_topic_delivers_the_last_sample_too(bench: Bench):
-    client = bench.listener("/chatter", STRING, throttle_rate=50)
-    bench.say("/chatter", *map(str, range(10)))
-    await client.sees(2)
-    assert client.messages == [{"data": "0"}, {"data": "9"}]
 
 
 @pytest.mark.parametrize("queue_length", [0, 1])
@@ -291,39 +272,12 @@ async def test_a_change_while_a_sample_is_held_back_does_not_stop_the_stream(ben
     assert [message["data"] for message in client.messages] == ["first", "held", "later"]
 
 
-async def test_a_throttled_topic_with_a_queue_delivers_all_one_per_interval(bench: Bench):
-    client = bench.listener("/chatter", STRING, throttle_rate=50, queue_length=10)
-    bench.say("/chatter", *map(str, range(6)))
-    await client.sees(6)
-    assert [message["data"] for message in client.messages] == list("012345")
-
-
 async def test_samples_that_a_throttle_skips_count_as_dropped(bench: Bench):
     client = bench.listener("/chatter", STRING, throttle_rate=50, meta=True)
     bench.say("/chatter", *map(str, range(6)))
     await eventually(lambda: client.of("publish")[-1:] and client.of("publish")[-1]["seq"] == 6)
     last = client.of("publish")[-1]
     assert last["dropped"] == 6 - len(client.of("publish")) > 0
-
-
-async def test_a_shorter_throttle_holds_at_once_and_keeps_the_order(bench: Bench):
-    bench.ros.add_publisher("/chatter", STRING)
-    client = bench.client()
-
-    async def publish(*texts: str) -> None:
-        for text in texts:
-            bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
-            await bench.settle()
-
-    client.send(op="subscribe", id="a", topic="/chatter", throttle_rate=3_600_000)
-    await publish("1", "2")
-    client.send(op="subscribe", id="a", topic="/chatter", throttle_rate=10)
-    assert client.messages == [{"data": "1"}, {"data": "2"}]
-    await publish("3", "4")
-    await client.sees(4)
-    client.send(op="subscribe", id="a", topic="/chatter", throttle_rate=0)
-    await publish("5", "6")
-    assert [message["data"] for message in client.messages] == list("123456")
 
 
 async def test_a_former_interval_does_not_cut_the_new_one_short(bench: Bench):

@@ -36,6 +36,11 @@ class Robot:
     def drive(self, sec: int, x: float) -> None:
         self.say(self.moving, "base_link", "odom", sec, x)
 
+    async def drives(self, sec: int, x: float) -> None:
+        """Drive as soon as the gateway listens."""
+        await self.bench.settle()
+        self.drive(sec, x)
+
     @property
     def warnings(self) -> list[str]:
         return [text for _, text in self.bench.ros.logged if text.startswith("tf: ")]

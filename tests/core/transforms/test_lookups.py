@@ -27,6 +27,12 @@ def ask(client: Socketless, **more: Any) -> None:
     client.send(op="lookup_transform", **{"target_frame": "odom", "source_frame": "laser"} | more)
 
 
+async def begin(robot: Robot, client: Socketless, **more: Any) -> None:
+    """Ask, and let the gateway listen to the robot."""
+    ask(client, **more)
+    await robot.bench.settle()
+
+
 def xs(client: Socketless) -> list[tuple[int, float]]:
     """Return seconds and x of the transforms that a client got."""
     transforms = [frame["transform"] for frame in client.of("lookup_transform")]
@@ -34,8 +40,7 @@ def xs(client: Socketless) -> list[tuple[int, float]]:
 
 
 async def test_a_lookup_waits_for_the_data_and_is_answered(robot: Robot, client: Socketless):
-    ask(client, id="where", timeout=30)
-    await robot.bench.settle()
+    await begin(robot, client, id="where", timeout=30)
     robot.drive(5, 2.0)
     [frame] = await client.sees(1, "lookup_transform")
     assert frame == {
@@ -53,8 +58,7 @@ async def test_a_lookup_waits_for_the_data_and_is_answered(robot: Robot, client:
 
 
 async def test_a_lookup_at_a_time_interpolates(robot: Robot, client: Socketless):
-    ask(client, time={"sec": 6, "nanosec": 500_000_000}, timeout=30)
-    await robot.bench.settle()
+    await begin(robot, client, time={"sec": 6, "nanosec": 500_000_000}, timeout=30)
     robot.drive(6, 0.0)
     robot.drive(7, 1.0)
     await client.sees(1, "lookup_transform")
@@ -62,8 +66,7 @@ async def test_a_lookup_at_a_time_interpolates(robot: Robot, client: Socketless)
 
 
 async def test_a_time_of_zero_is_the_newest(robot: Robot, client: Socketless):
-    ask(client, time={"sec": 0}, timeout=30)
-    await robot.bench.settle()
+    await begin(robot, client, time={"sec": 0}, timeout=30)
     robot.drive(6, 0.0)
     await client.sees(1, "lookup_transform")
     assert xs(client) == [(6, 1.0)]
@@ -103,8 +106,7 @@ async def test_a_time_of_zero_is_the_newest(robot: Robot, client: Socketless):
 async def test_a_failed_lookup_says_why(robot: Robot, client: Socketless, request_, code, words):
     robot.say(robot.fixed, "lens", "tripod", 0, 0.0)
     ask(client, rate=100)  # which keeps the buffer filled
-    await robot.bench.settle()
-    robot.drive(5, 2.0)
+    await robot.drives(5, 2.0)
     await client.sees(1, "lookup_transform")
     ask(client, id=1, **{"timeout": 0.01} | request_)
     [status] = await client.sees(1, "status")
@@ -126,8 +128,7 @@ async def test_without_tf2_msgs_a_lookup_is_refused(bench: Bench):
 
 
 async def test_a_repeated_lookup_sends_what_changed(robot: Robot, client: Socketless):
-    ask(client, id="pose", rate=200)
-    await robot.bench.settle()
+    await begin(robot, client, id="pose", rate=200)
     for sec in (1, 2):
         robot.drive(sec, float(sec))
         await eventually(lambda sec=sec: len(xs(client)) == sec)
@@ -144,8 +145,7 @@ async def test_a_repeated_lookup_sends_what_changed(robot: Robot, client: Socket
 
 
 async def test_a_frame_whose_stamps_are_all_equal_moves(robot: Robot, client: Socketless):
-    ask(client, rate=200)
-    await robot.bench.settle()
+    await begin(robot, client, rate=200)
     for count, x in enumerate((1.0, 2.0, 1.0), 1):  # without a clock, each stamp is 0
         robot.drive(0, x)
         await eventually(lambda count=count: len(xs(client)) == count)
@@ -156,8 +156,7 @@ async def test_a_cancelled_lookup_sends_nothing_more(robot: Robot, client: Socke
     other = robot.bench.client()
     ask(client, id="pose", rate=200)
     ask(other, rate=200)
-    await robot.bench.settle()
-    robot.drive(1, 1.0)
+    await robot.drives(1, 1.0)
     await client.sees(1, "lookup_transform")
     client.is_paused = True
     for sec in (2, 3):
@@ -172,8 +171,7 @@ async def test_a_cancelled_lookup_sends_nothing_more(robot: Robot, client: Socke
 
 
 async def test_one_who_joins_gets_at_once_what_the_others_have(robot: Robot, client: Socketless):
-    ask(client, id="pose", rate=0.001)
-    await robot.bench.settle()
+    await begin(robot, client, id="pose", rate=0.001)
     robot.drive(1, 1.0)
     other = robot.bench.client()
     # the first look of a new pair is also at once
@@ -205,8 +203,7 @@ async def test_the_beat_of_a_repeated_lookup_does_not_drift_with_a_busy_loop(
     robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
 ):
     clock = StoppedClock(monkeypatch)
-    ask(client, rate=10)
-    await robot.bench.settle()
+    await begin(robot, client, rate=10)
     for sec, wait_s in ((1, 0.02), (2, 0.14), (3, 0.061)):  # due at 0.02, 0.12 and 0.22 s
         robot.drive(sec, 0.0)
         await robot.bench.settle()
@@ -224,8 +221,7 @@ async def test_a_waiting_lookup_looks_again_after_a_pause_however_much_comes(
     monkeypatch: pytest.MonkeyPatch,
 ):
     clock = StoppedClock(monkeypatch)
-    ask(client, timeout=30)
-    await robot.bench.settle()
+    await begin(robot, client, timeout=30)
     looks.clear()
     for number in range(10):
         robot.say(robot.moving, f"other_{number}", "odom", 1, 0.0)
@@ -240,8 +236,7 @@ async def test_a_lookup_without_a_timeout_waits_for_a_second(
     robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
 ):
     clock = StoppedClock(monkeypatch)
-    ask(client)
-    await robot.bench.settle()
+    await begin(robot, client)
     await clock.advance(0.99)
     assert client.statuses == []
     await clock.advance(0.02)
@@ -258,8 +253,7 @@ async def test_a_late_transform_is_sent_at_once_at_any_rate(robot: Robot, client
 async def test_while_nothing_changes_nothing_is_looked_up(
     robot: Robot, client: Socketless, looks: list[tuple[str, str]]
 ):
-    ask(client, rate=200)
-    await robot.bench.settle()
+    await begin(robot, client, rate=200)
     robot.drive(1, 1.0)
     await client.sees(1, "lookup_transform")
     looks.clear()
@@ -277,8 +271,7 @@ async def test_nothing_is_looked_up_for_those_who_have_cancelled_or_left(
     leaving, staying = robot.bench.client(), robot.bench.client()
     ask(client, id="pose", rate=5)
     ask(leaving, source_frame="base_link", rate=5)
-    await robot.bench.settle()
-    robot.drive(1, 1.0)
+    await robot.drives(1, 1.0)
     for each in (client, leaving):
         await each.sees(1, "lookup_transform")
     ask(staying, source_frame="laser", target_frame="base_link", rate=5)
@@ -353,8 +346,7 @@ async def test_for_a_slow_client_only_the_newest_waits(robot: Robot, client: Soc
 
 
 async def test_a_client_that_leaves_waits_for_no_transform(robot: Robot, client: Socketless):
-    ask(client, timeout=30)
-    await robot.bench.settle()
+    await begin(robot, client, timeout=30)
     assert robot.bench.router.counts()["calls"] == 1
     robot.bench.router.leave(client.session)
     await robot.bench.settle()
@@ -420,8 +412,7 @@ async def test_after_a_single_lookup_listening_ends_and_all_is_forgotten(
     robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(tf_listener, "LINGER_S", 0.1)
-    ask(client, timeout=30)
-    await robot.bench.settle()
+    await begin(robot, client, timeout=30)
     robot.drive(5, 2.0)
     await client.sees(1, "lookup_transform")
     await eventually(lambda: not robot.subscriptions)
@@ -433,8 +424,7 @@ async def test_after_a_single_lookup_listening_ends_and_all_is_forgotten(
 
 
 async def test_when_the_clock_goes_back_what_moved_is_forgotten(robot: Robot, client: Socketless):
-    ask(client, rate=200)
-    await robot.bench.settle()
+    await begin(robot, client, rate=200)
     robot.drive(1000, 5.0)
     await client.sees(1, "lookup_transform")
     robot.bench.ros.set_time(robot.bench.ros.now - 1)
@@ -460,8 +450,7 @@ async def test_when_the_clock_goes_back_what_moved_is_forgotten(robot: Robot, cl
 async def test_an_invalid_transform_is_logged_once_and_harms_nothing(
     robot: Robot, client: Socketless
 ):
-    ask(client, rate=200)
-    await robot.bench.settle()
+    await begin(robot, client, rate=200)
     for _ in range(2):
         robot.say(robot.moving, "odom", "odom", 1, 0.0)
         robot.moving.publish(b"\0\1\0\0")
@@ -473,8 +462,7 @@ async def test_an_invalid_transform_is_logged_once_and_harms_nothing(
 
 
 async def test_a_frame_that_is_fixed_and_moves_is_logged_once(robot: Robot, client: Socketless):
-    ask(client, rate=200)
-    await robot.bench.settle()
+    await begin(robot, client, rate=200)
     robot.drive(1, 0.0)
     await client.sees(1, "lookup_transform")
     for x in (1.0, 2.0):
@@ -492,8 +480,7 @@ async def test_of_each_kind_of_fault_some_frames_are_logged_until_listening_ends
     monkeypatch.setattr(tf_listener, "LINGER_S", 0.0)
     monkeypatch.setattr(tf_listener, "_MAX_WARNINGS", 2)
     for sec in (1, 2):
-        ask(client, id="pose", rate=200)
-        await robot.bench.settle()
+        await begin(robot, client, id="pose", rate=200)
         for frame in ("a", "b", "c"):
             robot.say(robot.moving, frame, frame, 1, 0.0)
         for frame in ("x" * 200, "x" * 201, "b", "c"):
@@ -511,8 +498,7 @@ async def test_of_each_kind_of_fault_some_frames_are_logged_until_listening_ends
 
 
 async def test_of_one_kind_of_fault_eight_frames_are_logged(robot: Robot, client: Socketless):
-    ask(client, rate=200)
-    await robot.bench.settle()
+    await begin(robot, client, rate=200)
     for number in range(10):
         robot.say(robot.moving, f"frame_{number}", f"frame_{number}", 1, 0.0)
     await robot.bench.settle()
@@ -523,8 +509,7 @@ async def test_a_message_with_too_many_frames_does_no_harm(
     robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(buffer, "MAX_FRAMES", 4)
-    ask(client, rate=200)
-    await robot.bench.settle()
+    await begin(robot, client, rate=200)
     robot.drive(1, 0.0)
     for frame in ("a", "b", "c"):
         robot.say(robot.moving, frame, "odom", 1, 0.0)

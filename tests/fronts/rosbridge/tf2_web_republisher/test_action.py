@@ -31,8 +31,7 @@ async def test_the_transforms_are_the_feedback_of_a_goal_until_it_is_cancelled(
     client.send(
         op="send_action_goal", **about, action_type=action_type, feedback=True, args=request()
     )
-    await robot.bench.settle()
-    robot.drive(1, 2.0)
+    await robot.drives(1, 2.0)
     [frame] = await client.sees(1, "action_feedback")
     assert frame == {"op": "action_feedback", **about, "values": frame["values"]}
     assert xs([frame["values"]["transforms"]]) == [{"base_link": 2.0, "laser": 3.0}]
@@ -49,8 +48,7 @@ async def test_the_transforms_are_the_feedback_of_a_goal_until_it_is_cancelled(
 async def test_a_goal_needs_no_id_and_several_go_on_at_once(robot: Robot, client: Socketless):
     send_goal(client, None)
     send_goal(client, "other", source_frames=["laser"])
-    await robot.bench.settle()
-    robot.drive(1, 2.0)
+    await robot.drives(1, 2.0)
     frames = await client.sees(2, "action_feedback")
     assert {frame.get("id") for frame in frames} == {None, "other"}
 
@@ -61,8 +59,7 @@ async def test_feedback_comes_in_fragments_to_those_who_ask_for_them(
     client.send(
         op="send_action_goal", id=1, action=ACTION, feedback=True, args=request(), fragment_size=64
     )
-    await robot.bench.settle()
-    robot.drive(1, 2.0)
+    await robot.drives(1, 2.0)
     fragments = await client.sees(2, "fragment")
     assert all(len(fragment["data"]) <= 64 for fragment in fragments)
 
@@ -137,8 +134,7 @@ async def test_a_client_does_not_see_the_goals_of_another(robot: Robot, client: 
     assert [code for code, _ in other.statuses] == ["not_found"]
     send_goal(other)
     robot.bench.router.leave(other.session)
-    await robot.bench.settle()
-    robot.drive(1, 0.0)
+    await robot.drives(1, 0.0)
     await client.sees(1, "action_feedback")
     assert other.of("action_feedback") == []
 
@@ -157,8 +153,7 @@ def viewer(bench: Bench, **config: Any) -> Socketless:
 async def test_a_role_with_transforms_may_send_a_goal(robot: Robot):
     client = viewer(robot.bench)
     send_goal(client)
-    await robot.bench.settle()
-    robot.drive(1, 2.0)
+    await robot.drives(1, 2.0)
     await client.sees(1, "action_feedback")
 
 

@@ -48,8 +48,7 @@ async def test_the_transforms_are_on_the_feedback_topic_with_the_id_of_the_goal(
 ):
     begin(client)
     send(client)
-    await robot.bench.settle()
-    robot.drive(1, 2.0)
+    await robot.drives(1, 2.0)
     [frame] = await client.sees(1)
     assert (frame["op"], frame["topic"]) == ("publish", FEEDBACK)
     message = frame["msg"]
@@ -101,8 +100,7 @@ async def test_a_subscription_after_the_goal_gets_all_frames(robot: Robot, clien
     other = robot.bench.client()
     begin(other)
     send(other)
-    await robot.bench.settle()
-    robot.drive(1, 2.0)
+    await robot.drives(1, 2.0)
     await other.sees(1)
     assert client.messages == []
     begin(client)
@@ -143,8 +141,7 @@ async def test_when_a_client_leaves_its_goals_end_and_another_s_go_on(
         send(each)
     robot.bench.router.leave(other.session)
     assert count(robot) == 1
-    await robot.bench.settle()
-    robot.drive(1, 2.0)
+    await robot.drives(1, 2.0)
     await client.sees(1)
     assert other.messages == []
 
@@ -174,8 +171,7 @@ async def test_a_viewer_may_follow_transforms_so_unless_they_are_denied(robot: R
     client = viewer(robot.bench)
     begin(client)
     send(client)
-    await robot.bench.settle()
-    robot.drive(1, 2.0)
+    await robot.drives(1, 2.0)
     await client.sees(1)
     cancel(client, id="g")
     end(client)
