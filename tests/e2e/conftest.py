@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What most tests of whole systems need."""
+"""A node next to the gateway, for tests of whole systems."""
 
 import contextlib
 from collections.abc import Iterator
