@@ -7,7 +7,18 @@ from pathlib import Path
 REPOSITORY = Path(__file__).parents[1]
 ROOTS = ("gateway", "gateway_sim", "schemas", "benchmarks", "tools")
 GENERATED = "schemas/models/"
-MAX_FILE_LINES = 426  # gateway/drive/drive.py
+MAX_FILE_LINES = 350
+# files that have yet to be split by idea, each with room for a few lines
+LONGER = {
+    "benchmarks/hostile_frames.py": 365,
+    "gateway/app.py": 390,
+    "gateway/core/requests.py": 400,
+    "gateway/fronts/rosbridge/session.py": 426,
+    "gateway/transport/connection.py": 426,
+    "gateway/transport/http.py": 370,
+    "gateway/transport/inbound.py": 370,
+    "gateway/transport/server.py": 415,
+}
 MAX_FUNCTION_LINES = 77  # Router.__init__ of gateway/core/router.py, one statement per part
 ONE_CASE_EACH = "_carry_out"  # grows by each operation, and stays as simple
 
@@ -32,8 +43,9 @@ def too_long(name, source):
                     f"{name}:{node.lineno}: {node.name} has {lines} lines,"
                     f" at most {MAX_FUNCTION_LINES}"
                 )
-    if file_lines > MAX_FILE_LINES:
-        found.insert(0, f"{name}: {file_lines} lines, at most {MAX_FILE_LINES}: split it by idea")
+    most = LONGER.get(name, MAX_FILE_LINES)
+    if file_lines > most:
+        found.insert(0, f"{name}: {file_lines} lines, at most {most}: split it by idea")
     return found
 
 
@@ -56,3 +68,8 @@ def test_a_function_of_one_case_for_each_operation_does_not_count():
     source = f"def {ONE_CASE_EACH}():\n" + "    pass\n" * MAX_FILE_LINES
 
     assert too_long("one.py", source) == []
+
+
+def test_a_file_that_was_split_is_no_longer_among_the_longer_ones():
+    lengths = {name: len((REPOSITORY / name).read_text("utf-8").splitlines()) for name in LONGER}
+    assert {name for name, lines in lengths.items() if lines <= MAX_FILE_LINES} == set()

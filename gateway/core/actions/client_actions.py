@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from gateway.codec.errors import CodecError
 from gateway.codec.types import ActionType
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit
-from gateway.core.failure import failure
 from gateway.core.interface_types import InterfaceTypes
 from gateway.core.names import ActionName, resolve_action
+from gateway.core.provided import check_takeover, failure, nodes_of, warn_of_others
 from gateway.core.requests import (
     ActionFeedback,
     ActionResult,
@@ -18,7 +18,6 @@ from gateway.core.requests import (
 )
 from gateway.core.service_clients import encode_values
 from gateway.core.session import Session
-from gateway.core.takeover import check_takeover, nodes_of, warn_of_others
 from gateway.sources.actions import (
     ABORTED,
     CANCELED,

@@ -10,9 +10,9 @@ from typing import Final
 from gateway.codec.errors import CodecError
 from gateway.codec.types import ServiceType
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit
-from gateway.core.failure import failure
 from gateway.core.interface_types import InterfaceTypes
 from gateway.core.names import ServiceName, resolve_service
+from gateway.core.provided import check_takeover, failure, nodes_of, warn_of_others
 from gateway.core.requests import (
     AdvertiseService,
     CallService,
@@ -21,7 +21,6 @@ from gateway.core.requests import (
 )
 from gateway.core.service_clients import encode_values
 from gateway.core.session import Session
-from gateway.core.takeover import check_takeover, nodes_of, warn_of_others
 from gateway.sources.services import Service, ServiceRequest
 from gateway.sources.source import Ros, RosError
 

@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Services and actions that a client provides, and also another client or a ROS node."""
+"""Services and actions that clients provide: who else provides them, and how one fails."""
 
 from collections.abc import Iterable, Sequence
 from typing import Final
 
+from gateway.codec.types import MessageType
 from gateway.core.errors import ProtocolError
 from gateway.core.requests import Request
 from gateway.core.session import Session
 from gateway.sources.graph import ServerInfo
 
 MAX_NAMED: Final = 4  # nodes of one name. A text for people
+# Fields of responses and results that are for people, in the order in which they are tried.
+_TEXT_FIELDS: Final = ("message", "status_message", "error_message", "error_string", "reason")
 
 
 def check_takeover(
@@ -42,3 +45,15 @@ def warn_of_others(session: Session, subject: str, nodes: Sequence[str], request
     who = " and ".join(seen) or "a ROS node"
     text = f"{subject} is also provided by {who}, so both answer each call: choose another name"
     session.warn(ProtocolError("already_provided", text), request)
+
+
+def failure(message_type: MessageType, reason: str) -> bytes:
+    """Return the response, or the result, that best reports a failure.
+
+    A ROS service cannot fail. It can only not answer, and then its caller waits forever. So all
+    fields have their defaults, which makes ``success`` false, and *reason* is in a text field.
+    """
+    texts = {each.name for each in message_type.definition.fields if str(each.type) == "string"}
+    field = next((name for name in _TEXT_FIELDS if name in texts), None)
+    values = {} if field is None else {field: reason}
+    return message_type.encode(values, now_ns=0)
