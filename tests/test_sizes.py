@@ -12,6 +12,7 @@ MAX_FILE_LINES = 350
 LONGER = {
     "benchmarks/hostile_frames.py": 365,
     "gateway/app.py": 390,
+    "gateway/core/outbox.py": 370,
     "gateway/core/requests.py": 400,
     "gateway/fronts/rosbridge/session.py": 426,
     "gateway/transport/connection.py": 426,
