@@ -55,7 +55,6 @@ class Copies:
     """Copies of the tree, each for one run of tests at a time. The tree itself is not touched."""
 
     def __init__(self, root: Path, folder: Path, count: int) -> None:
-        self._root = root
         self._free: queue.Queue[Path] = queue.Queue()
         self._good: dict[str, bool] = {}  # whether tests pass without any mutant
         for number in range(count):
@@ -73,7 +72,7 @@ class Copies:
         whole = path.read_bytes()
         difference, killer = _difference(mutant, whole), None
         try:
-            for tests in stages_of(mutant.file, self._root):
+            for tests in stages_of(mutant.file, copy):
                 path.write_bytes(mutant.broken(whole))
                 killer = _run(copy, tests)
                 path.write_bytes(whole)
