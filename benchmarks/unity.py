@@ -28,7 +28,7 @@ from gateway.backports import timeout
 from gateway.codec import cbor
 from gateway.codec.image import ImageOptions
 from gateway.codec.json import dumps
-from gateway.codec.picture import cbor_picture_renderer, picture_renderer
+from gateway.codec.picture import picture_renderer
 from gateway.codec.types import Types
 from schemas.installed import InstalledDefinitions
 from tests.unity import mono, package
@@ -127,12 +127,13 @@ def _messages() -> list[_Message]:
         )
 
     def picture(quality: int, *others: _Message) -> _Message:
-        image_type, options = types.get("sensor_msgs/msg/Image"), ImageOptions(quality=quality)
+        render = picture_renderer(types.get("sensor_msgs/msg/Image"), ImageOptions(quality=quality))
+        message = render(_cdr("image"))
         return _Message(
             "picture, 640x480 JPEG",
             "sensor_msgs/msg/CompressedImage",
-            picture_renderer(image_type, options)(_cdr("image")),
-            cbor_picture_renderer(image_type, options)(_cdr("image")),
+            message.json(),
+            message.cbor(),
             30,
             60,
             others,  # no two pictures of a camera are of one length
@@ -162,7 +163,7 @@ def _decode(program: Binary) -> None:
     render = picture_renderer(types.get("sensor_msgs/msg/Image"), ImageOptions())
     print("\nms of CPU to decode a JPEG, in C# and with OpenCV")
     for name in ("image", "image-1080p"):
-        message = json.loads(render(_cdr(name)))
+        message = json.loads(render(_cdr(name)).json())
         jpeg = np.frombuffer(base64.b64decode(message["data"]), np.uint8)
         mine = _asked(program, "decode", None, jpeg.tobytes())["us"] / 1000
         theirs = min(_decoded_s(jpeg) for _ in range(50)) * 1000

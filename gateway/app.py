@@ -31,6 +31,7 @@ from gateway.diagnostics import publishing
 from gateway.ending_signals import ENDING
 from gateway.errors import ConfigError, system_reason
 from gateway.faults import Fault
+from gateway.fronts.pictures.front import Pictures
 from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.log_fields import counted, text_of
 from gateway.log_rate import LogRate
@@ -158,6 +159,7 @@ async def _serve(
         server = Server(
             router,
             Fronts(*(open_front(router) for open_front in open_fronts)),
+            Pictures(router),
             limits=config.limits,
             path=config.path,
             files=StaticFiles.read(PAGES, config.path),

@@ -45,7 +45,6 @@ EXCEPTIONS = {
     },
     "gateway/transport/inbound.py": {"session.is_overtaken"},
     "gateway/transport/inbound_text.py": {"session.on_unreadable"},
-    "gateway/transport/picture_streams.py": {"viewer.session.client"},
     "gateway/transport/server.py": {"session.client"},
     "gateway/transport/url_options.py": {"session.image_format"},
 }

@@ -16,7 +16,6 @@ LONGER = {
     "gateway/core/requests.py": 400,
     "gateway/fronts/rosbridge/session.py": 426,
     "gateway/transport/connection.py": 426,
-    "gateway/transport/http.py": 370,
     "gateway/transport/inbound.py": 370,
     "gateway/transport/server.py": 415,
 }

@@ -98,7 +98,8 @@ def _works(name: str, audience: Audience) -> list[Work]:
     encoding: list[Work] = []
     if known.name == _IMAGE:
         encoding.append(lambda cdr: _encode(decode(cdr)))
-        render = picture_renderer(known, ImageOptions())
+        picture = picture_renderer(known, ImageOptions())
+        render: Callable[[Cdr], bytes] = lambda cdr: picture(cdr).json()  # noqa: E731
     else:
         render = _json(known)
     shared = JsonFrames(topic(name)).shared

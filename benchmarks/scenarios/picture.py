@@ -43,7 +43,7 @@ def _rendering_us() -> float:
     image_type = Types(InstalledDefinitions()).get("sensor_msgs/msg/Image")
     render = picture_renderer(image_type, ImageOptions())
     sample = bytes(SAMPLES["image"].cdr())
-    return _cpu_us(lambda: render(sample))
+    return _cpu_us(lambda: render(sample).json())
 
 
 def _cpu_us(work: Callable[[], object]) -> float:

@@ -8,6 +8,8 @@ the rest, and has the parts that both share.
 from struct import pack
 from typing import Final
 
+import numpy as np
+
 # RFC 8949, 3.1: the major types, in the upper three bits of an item's first byte
 UNSIGNED: Final = 0x00
 NEGATIVE: Final = 0x20
@@ -77,4 +79,6 @@ def dumps(value: object) -> bytes:
             return b"".join((head(MAP, len(value)), *members))
         case list() | tuple():
             return b"".join((head(ARRAY, len(value)), *map(dumps, value)))
+    if isinstance(value, np.float32):  # as in a compiled message
+        return FLOAT64 + pack(">d", value)
     raise TypeError(f"no CBOR for {type(value).__name__}")

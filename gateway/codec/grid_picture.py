@@ -7,43 +7,39 @@ from typing import Any, Final, cast
 
 import cv2
 import numpy as np
-import pybase64
 
-from gateway.codec import cbor
 from gateway.codec.cdr import Cdr
 from gateway.codec.cdr.bounds import MAX_CDR_BYTES
 from gateway.codec.compressed_images import decompress
 from gateway.codec.errors import CodecError
-from gateway.codec.json import dumps
+from gateway.codec.picture_message import PictureMessage
 from gateway.codec.types import MessageType
 
 GRID: Final = "nav_msgs/msg/OccupancyGrid"
 
 
-def grid_renderer(grid_type: MessageType) -> Callable[[Cdr], bytes]:
-    """Return a function from the CDR of a grid to JSON with a PNG in the place of its cells.
+def grid_renderer(grid_type: MessageType) -> Callable[[Cdr], PictureMessage]:
+    """Return a function from the CDR of a grid to a message with a PNG in the place of its cells.
 
     Grey is the octet of a cell: 0 to 100, and 255 for -1, which is unknown. The rows follow each
     other as in the message. The function may run in any thread. It raises `CodecError`.
     """
     decode = grid_type.decoder(octets="raw")
 
-    def render(cdr: Cdr) -> bytes:
+    def render(cdr: Cdr) -> PictureMessage:
         values = cast("dict[str, Any]", decode(cdr))
-        return dumps(_message(values, values["info"], pybase64.b64encode_as_string))
-
-    return render
-
-
-def cbor_grid_renderer(grid_type: MessageType) -> Callable[[Cdr], bytes]:
-    """Return such a function to CBOR, with ``data`` as a byte string."""
-    decode = grid_type.decoder(octets="raw")
-
-    def render(cdr: Cdr) -> bytes:
-        values = cast("dict[str, Any]", decode(cdr))
-        # CBOR has a float64, as in the plain message
-        info = values["info"] | {"resolution": float(values["info"]["resolution"])}
-        return cbor.dumps(_message(values, info, lambda png: png))
+        info = values["info"]
+        width, height = info["width"], info["height"]
+        return PictureMessage(
+            {
+                "header": values["header"],
+                "info": info,
+                "format": "png",
+                "data": _png(np.asarray(values["data"], np.int8), width, height),
+                "width": width,
+                "height": height,
+            }
+        )
 
     return render
 
@@ -73,20 +69,6 @@ def grid_maker(grid_type: MessageType) -> Callable[[bytes], bytes]:
         return b"".join((without_cells[:-4], pack("<I", len(image.data)), image.data))
 
     return make
-
-
-def _message(
-    values: dict[str, Any], info: dict[str, Any], wrap: Callable[[bytes], object]
-) -> dict[str, object]:
-    width, height = info["width"], info["height"]
-    return {
-        "header": values["header"],
-        "info": info,
-        "format": "png",
-        "data": wrap(_png(np.asarray(values["data"], np.int8), width, height)),
-        "width": width,
-        "height": height,
-    }
 
 
 def _png(cells: "np.ndarray[Any, np.dtype[np.int8]]", width: int, height: int) -> bytes:

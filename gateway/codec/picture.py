@@ -5,57 +5,43 @@ from collections.abc import Callable
 from struct import pack
 from typing import Any, Final, cast
 
-import pybase64
-
-from gateway.codec import cbor
 from gateway.codec.cdr import Cdr
 from gateway.codec.cdr.bounds import MAX_CDR_BYTES
 from gateway.codec.compressed_images import decompress
 from gateway.codec.image import ImageOptions, compress
 from gateway.codec.image_encodings import RawImage
-from gateway.codec.json import dumps
+from gateway.codec.picture_message import PictureMessage
 from gateway.codec.types import MessageType
 
 IMAGE: Final = "sensor_msgs/msg/Image"
 COMPRESSED_IMAGE: Final = "sensor_msgs/msg/CompressedImage"
 
 
-def picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable[[Cdr], bytes]:
-    """Return a function from the CDR of an image to JSON in the shape of CompressedImage.
+def picture_renderer(
+    image_type: MessageType, options: ImageOptions
+) -> Callable[[Cdr], PictureMessage]:
+    """Return a function from the CDR of an image to a message in the shape of CompressedImage.
 
-    In addition to ``header``, ``format`` and ``data`` (base64) it has ``width`` and ``height`` of
-    the picture, and ``depth_range_m`` if grey means distance. The function may run in any thread.
+    In addition to ``header``, ``format`` and ``data`` it has ``width`` and ``height`` of the
+    picture, and ``depth_range_m`` if grey means distance. The function may run in any thread.
     It raises `CodecError`.
     """
-    render = _renderer(image_type, options, pybase64.b64encode_as_string)
-    return lambda cdr: dumps(render(cdr))
-
-
-def cbor_picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable[[Cdr], bytes]:
-    """Return such a function to CBOR, with ``data`` as a byte string."""
-    render = _renderer(image_type, options, lambda data: data)
-    return lambda cdr: cbor.dumps(render(cdr))
-
-
-def _renderer(
-    image_type: MessageType, options: ImageOptions, wrap: Callable[[bytes], object]
-) -> Callable[[Cdr], dict[str, object]]:
     decode = image_type.decoder(octets="raw")
     pixels_of = _unpacked if image_type.name == COMPRESSED_IMAGE else _as_it_is
 
-    def render(cdr: Cdr) -> dict[str, object]:
+    def render(cdr: Cdr) -> PictureMessage:
         values = cast("dict[str, Any]", decode(cdr))
         picture = compress(pixels_of(values), options)
         message: dict[str, object] = {
             "header": values["header"],
             "format": picture.format,
-            "data": wrap(picture.data),
+            "data": picture.data,
             "width": picture.width,
             "height": picture.height,
         }
         if picture.depth_range_m is not None:
             message["depth_range_m"] = picture.depth_range_m
-        return message
+        return PictureMessage(message)
 
     return render
 

@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The frames of a topic, which a front makes: one for all, or one for a client alone."""
+"""The framing of topics by a front: the content that it gets, and the frames that it makes."""
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from typing import Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Literal, Protocol
 
 from gateway.codec.chunks import Chunks
-from gateway.core.requests import Compression
+from gateway.codec.nonfinite import NonFinite
+from gateway.codec.picture_message import PictureMessage
+
+Content = Literal["json", "cbor", "cdr"]
+"""The forms in which the core gives messages to a front."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,13 +30,13 @@ class PerClient:
     """The difference between one subscription's frame and the frame that the others share."""
 
     seq: int  # of the sample
+    framing: "Framing"  # as the subscription asks for
     meta: Meta | None = None
-    fragment_size: int | None = None
     is_ascii: bool = False
 
 
 class PublishFrames(Protocol):
-    """Makes the frames of one topic, in one compression, from encoded messages."""
+    """Makes the frames of one topic from encoded messages."""
 
     def shared(self, message: bytes) -> bytes:
         """Return the frame that all subscribers get who want nothing special."""
@@ -49,11 +54,56 @@ class PublishFrames(Protocol):
         """Return the frame, or frames in a row, of a large message for one subscriber."""
 
 
-class Framing(Protocol):
-    """Makes the frames of topics in one protocol."""
+@dataclass(frozen=True, kw_only=True)
+class Framing(ABC):
+    """The way in which a front sends the messages of a subscription. Equal ones share bytes.
 
-    def frames(self, topic: str, compression: Compression) -> PublishFrames:
+    The subclass of a front may have more fields. If one does not change what is shared, leave it
+    out of the comparison.
+    """
+
+    content: Content = "json"
+    nonfinite: NonFinite | None = field(default=None, compare=False)  # of JSON. None: as null
+    warning: str = field(default="", compare=False)  # about a wish that is not granted
+
+    @property
+    def name(self) -> str:
+        """The word for it that the client knows."""
+        return self.content
+
+    @property
+    def needs_own_frames(self) -> bool:
+        """True if no frame can be shared with other subscriptions."""
+        return False
+
+    @property
+    def is_packed(self) -> bool:
+        """True if `pack` makes the message, which takes a worker."""
+        return False
+
+    def after(self, older: "Framing") -> "Framing":
+        """Return what serves this request of a client and an *older* one for the same topic."""
+        del older
+        return self
+
+    @abstractmethod
+    def frames(self, topic: str) -> PublishFrames:
         """Return what makes the frames of a topic. *topic* is its name as requested."""
 
-    def text(self, topic: str, message: Iterable[bytes]) -> Iterator[bytes]:
-        """Yield the whole text of a message in JSON, which becomes a picture, as ASCII."""
+    def picture(self, picture: PictureMessage) -> bytes:
+        """Return the message for a picture. Runs in any thread."""
+        return picture.cbor() if self.content == "cbor" else picture.json()
+
+    def before_cdr(self, now_ns: int, size: int) -> bytes:
+        """Return what a message has before its CDR of so many bytes. *now_ns* is ROS time."""
+        del now_ns, size
+        return b""
+
+    def pack(
+        self, topic: str, message: Iterable[bytes], pause: Callable[[], None] | None = None
+    ) -> bytes:
+        """Return the message to send instead of one in JSON. Runs in any thread.
+
+        The *message* comes in pieces. Call *pause* between them, if there is one.
+        """
+        raise NotImplementedError

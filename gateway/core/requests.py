@@ -9,8 +9,8 @@ does not look at it.
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final, Literal, TypeAlias
 
-from gateway.codec.nonfinite import NonFinite
 from gateway.codec.picture_formats import PICTURE_FORMATS
+from gateway.core.frames import Framing
 from gateway.sources.source import Qos
 
 RequestId: TypeAlias = str | int | None
@@ -21,9 +21,6 @@ MIN_RATE_HZ: Final = 0.001
 IMAGE_FORMATS: Final = (*PICTURE_FORMATS, "raw")  # raw is the plain message
 ImageFormat: TypeAlias = str
 """One of `IMAGE_FORMATS`."""
-
-Compression = Literal["none", "png", "cbor", "cbor-raw"]
-"""The form of messages: JSON, JSON in a picture, CBOR, or CDR in CBOR."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,13 +99,11 @@ class Subscribe(Request):
     type: str | int | None = None
     throttle_ms: float = 0
     queue_length: int | None = None
-    compression: str | None = None  # one of `Compression`, or unknown
-    fragment_size: int | None = None  # of its frames, in characters
+    framing: Framing
     qos: Qos | None = None
     fields: tuple[str, ...] | None = None
     image: ImageRequest | None = None
     meta: bool = False
-    nonfinite: NonFinite | None = None
     stale_after_ms: float | None = None
 
 

@@ -12,7 +12,6 @@ from typing import Any, ClassVar, Final, NamedTuple
 from gateway.access.permissions import UNLIMITED, Action, Identity
 from gateway.config.limits import Limits
 from gateway.core.errors import ProtocolError, StatusCode
-from gateway.core.frames import Framing
 from gateway.core.outbox import Outbox
 from gateway.core.requests import CallService, ImageFormat, Request, RequestId, SendActionGoal
 from gateway.metrics.histogram import Histogram
@@ -25,7 +24,6 @@ class Session(ABC):
     the client has authenticated, if it must.
     """
 
-    framing: ClassVar[Framing]  # makes the frames of its topics
     NOT_AUTHENTICATED: ClassVar[str]  # how to authenticate, for a client that has not
 
     def __init__(
@@ -93,7 +91,7 @@ class Session(ABC):
         self.replaced += key in self.deferred
         self.deferred[key] = DeferredWork(request, work)
 
-    # Answers and messages to the client
+    # Answers and messages to the client. A front may leave out those that it has no requests for.
 
     @abstractmethod
     def refuse(self, error: ProtocolError, request: Request | None = None) -> None:
@@ -111,46 +109,46 @@ class Session(ABC):
     def alert(self, code: StatusCode, text: str, request: Request) -> None:
         """Tell a client that has asked for it that a topic is silent, or no longer is."""
 
-    @abstractmethod
     def answer(self, kind: str, request_id: RequestId, **members: Any) -> None:
         """Send the answer to a request of the gateway's own, or what follows it."""
+        raise NotImplementedError
 
-    @abstractmethod
     def describe(
         self, request_id: RequestId, example: dict[str, Any] | None, members: dict[str, Any]
     ) -> None:
         """Send a description of a type, with an example of a request that uses it."""
+        raise NotImplementedError
 
-    @abstractmethod
     def respond(self, request: CallService, values: dict[str, Any]) -> None:
         """Send the response of a service."""
+        raise NotImplementedError
 
-    @abstractmethod
     def finish(self, request: SendActionGoal, values: dict[str, Any], status: int) -> None:
         """Send the result of a goal. *status* is of action_msgs/msg/GoalStatus."""
+        raise NotImplementedError
 
-    @abstractmethod
     def feedback_frame(self, request: SendActionGoal, values: dict[str, Any]) -> bytes:
         """Return the bytes of a goal's feedback."""
+        raise NotImplementedError
 
-    @abstractmethod
     def transform_frame(self, request_id: RequestId, transform: bytes) -> bytes:
         """Return the bytes of a transform of a periodic lookup. *transform* is JSON."""
+        raise NotImplementedError
 
-    @abstractmethod
     def pass_call(self, service: str, name: str, args: object) -> str:
         """Pass a call on to the client that provides a service, and return the call's id.
 
         *service* is resolved, *name* is as the client advertised it.
         """
+        raise NotImplementedError
 
-    @abstractmethod
     def pass_goal(self, action: str, name: str, type_name: str, args: object) -> str:
         """Pass a goal on to the client that provides an action, and return the goal's id."""
+        raise NotImplementedError
 
-    @abstractmethod
     def pass_cancel(self, name: str, goal_id: str) -> None:
         """Ask the client that provides an action to cancel a goal."""
+        raise NotImplementedError
 
 
 class DeferredWork(NamedTuple):

@@ -28,7 +28,8 @@ from gateway.transport.close_codes import (
     UNAUTHENTICATED,
 )
 from gateway.transport.front import ClientSession
-from gateway.transport.http import HttpConnection, offered_subprotocols
+from gateway.transport.http import offered_subprotocols
+from gateway.transport.http_connection import HttpConnection
 
 # Operations that are refused with an answer before a client is cut off. A page may subscribe to all
 # that it shows before it sends the token, and gets an answer to each.

@@ -37,14 +37,13 @@ from gateway.transport.end import (
     ended_elsewhere,
 )
 from gateway.transport.frame_reader import DATA
-from gateway.transport.front import ClientSession, Front
+from gateway.transport.front import ClientSession, Front, HttpSession
 from gateway.transport.http import new_protocol
 from gateway.transport.inbound import READ_CHUNK_BYTES, Inbound
 from gateway.transport.inbound_text import expect_text, receive_message
 from gateway.transport.keep_alive import Close, KeepAlive, SendPing
 from gateway.transport.message_assembly import MessageAssembly
 from gateway.transport.pacing import Pacing
-from gateway.transport.picture_streams import Viewer
 from gateway.transport.protocol_output import ProtocolOutput
 from gateway.transport.server_interface import ServerInterface
 from gateway.transport.socket_options import tune
@@ -68,7 +67,7 @@ class Connection(asyncio.BufferedProtocol):
         self._output: ProtocolOutput
         self._front: Front
         self._session: ClientSession | None = None
-        self._viewer: Viewer | None = None  # of pictures, by plain HTTP
+        self._viewer: HttpSession | None = None  # of pictures, by plain HTTP
         self._assembly = MessageAssembly()
         self._flushing = False
         now_ns = time.monotonic_ns()
@@ -221,7 +220,7 @@ class Connection(asyncio.BufferedProtocol):
         self._protocol.send_response(response)
         self._write_protocol_output(may_be_large=True)
 
-    def show(self, viewer: Viewer) -> None:
+    def show(self, viewer: HttpSession) -> None:
         """Let a viewer answer the HTTP request, now or part by part."""
         self._viewer = viewer
 
@@ -253,7 +252,7 @@ class Connection(asyncio.BufferedProtocol):
                 self._closing_s = now_s
         elif self._viewer is not None:
             self._viewer.tick(now_s)
-            self._check(now_s, self._viewer.session)
+            self._check(now_s, self._viewer)
         elif self._protocol.state is CONNECTING:
             if now_s - self._opened_s > limits.open_timeout_s:
                 self._give_up(f"within {limits.open_timeout_s:g} s")
@@ -386,7 +385,7 @@ class Connection(asyncio.BufferedProtocol):
             self._viewer.flush()
 
     def _note_rate(self, bytes_per_s: float | None) -> None:
-        session = self._session if self._viewer is None else self._viewer.session
+        session = self._viewer or self._session
         if session is not None:
             session.outbox.drains(bytes_per_s)
 

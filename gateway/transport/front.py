@@ -32,6 +32,18 @@ class ClientSession(Session):
         """Report only what is of this severity or worse."""
 
 
+class HttpSession(ClientSession):
+    """The session of a request by plain HTTP that is answered part by part."""
+
+    @abstractmethod
+    def flush(self) -> None:
+        """Send what waits, if the socket takes it."""
+
+    @abstractmethod
+    def tick(self, now_s: float) -> None:
+        """Note the time."""
+
+
 class Front(Protocol):
     """A protocol: it opens a session for each client, and reads its messages."""
 

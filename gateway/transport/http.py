@@ -7,7 +7,7 @@ import logging
 import socket
 from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import Any, Final
 from urllib.parse import urlsplit, urlunsplit
 
 import orjson
@@ -19,9 +19,8 @@ from websockets.typing import Subprotocol
 from gateway.access.credentials import CredentialsError, check_target, token_in
 from gateway.access.web_rules import NO_ORIGIN, WebRules, is_plain
 from gateway.transport import health
-from gateway.transport.front import ClientSession
 from gateway.transport.health import Health
-from gateway.transport.picture_requests import PATHS as PICTURE_PATHS
+from gateway.transport.http_connection import AnswerLater, HttpConnection
 from gateway.transport.static_files import (
     INDEX,
     StaticFiles,
@@ -31,9 +30,6 @@ from gateway.transport.static_files import (
     response_of,
 )
 from gateway.transport.url_options import UrlOptionError, url_options
-
-if TYPE_CHECKING:  # it imports this
-    from gateway.transport.picture_streams import Viewer
 
 logger = logging.getLogger(__name__)
 
@@ -75,52 +71,6 @@ _OTHER_METHODS: Final = frozenset(
 MAX_HEADER_CHARACTERS: Final = 16 * 1024
 
 
-class HttpConnection(Protocol):
-    """A connection that gets a page later, or images."""
-
-    address: str
-
-    @property
-    def is_paused(self) -> bool:
-        """True while the socket or the link is full."""
-
-    @property
-    def awaits_page(self) -> bool:
-        """True until it has accepted the page that it gets later."""
-
-    def answer(self, response: Response) -> None:
-        """Send the response to the request, unless the peer is gone."""
-
-    @property
-    def name(self) -> str:
-        """The address and number, for the log."""
-
-    @property
-    def session(self) -> ClientSession | None:
-        """The session, while the WebSocket is open."""
-
-    def show(self, viewer: Viewer) -> None:
-        """Let a viewer answer, now or part by part."""
-
-    def write(self, data: bytes) -> None:
-        """Send a part of the response, unless the peer is gone."""
-
-    def fail(self, bug: Exception) -> None:
-        """Close the connection for a bug of ours."""
-
-    def close(self, code: int, reason: str) -> None:
-        """End the connection."""
-
-    is_encrypted: bool  # by TLS
-
-    def limit_messages(self, max_bytes: int) -> None:
-        """Accept messages of at most so many bytes from now on."""
-
-
-AnswerLater = Callable[[ServerProtocol, Request, HttpConnection], Response | None]
-"""Answer a request, or do so later: ``None``."""
-
-
 class HttpFront:
     """Answers HTTP requests."""
 
@@ -131,15 +81,15 @@ class HttpFront:
         rules: WebRules,
         find_health: Callable[[], Health],
         details: Callable[[], Mapping[str, Any]],
-        metrics: AnswerLater,
-        pictures: AnswerLater,
+        answer_later: Mapping[str, AnswerLater],
     ) -> None:
+        """*answer_later* is by path."""
         self._path = path
         self._files = files
         self._rules = rules
         self._health = find_health
         self._details = details
-        self._answer_later = dict.fromkeys(PICTURE_PATHS, pictures) | {"/metrics": metrics}
+        self._answer_later = answer_later
 
     def respond(
         self, protocol: ServerProtocol, request: Request, connection: HttpConnection
@@ -365,4 +315,11 @@ def page(
         headers["Content-Length"] = str(len(body))
         if method_of(request) != "HEAD":
             response.body = body
+    return response
+
+
+def unauthenticated(protocol: ServerProtocol, error: Exception) -> Response:
+    """Return the response to a request whose token is missing or wrong."""
+    response = protocol.reject(401, f"{error}\n")
+    response.headers["WWW-Authenticate"] = "Bearer"
     return response

@@ -12,7 +12,7 @@ import time
 from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import reduce
+from functools import partial, reduce
 from typing import Any, Final
 
 from websockets.http11 import Request, Response
@@ -43,8 +43,8 @@ from gateway.transport.end import ConnectionEnd, EndCause
 from gateway.transport.forwarded import client_address
 from gateway.transport.front import ClientSession, Front, Fronts
 from gateway.transport.health import FindFaults, Health, no_faults
-from gateway.transport.http import HttpConnection, HttpFront, own_names, page
-from gateway.transport.picture_streams import Pictures
+from gateway.transport.http import HttpFront, own_names, page, unauthenticated
+from gateway.transport.http_connection import AnswerLater, HttpConnection, PathFront
 from gateway.transport.scrapes import Scrapes
 from gateway.transport.static_files import NO_FILES, StaticFiles, method_of
 from gateway.transport.time_budget import TimeBudgets
@@ -87,7 +87,7 @@ class Server:
         self,
         router: Router,
         fronts: Fronts,
-        *,
+        *path_fronts: PathFront,
         limits: Limits,
         path: str = "/",
         files: StaticFiles = NO_FILES,
@@ -103,12 +103,13 @@ class Server:
         self._router = router
         self.fronts = fronts
         rules = web_rules or WebRules(own_names())
-        self._http = HttpFront(
-            path, files, rules, self.judged, self.health, self._metrics, self._show
-        )
+        by_path: dict[str, AnswerLater] = {"/metrics": self._metrics}
+        for front in path_fronts:
+            by_path |= dict.fromkeys(front.paths, partial(self._show, front))
+        self._http = HttpFront(path, files, rules, self.judged, self.health, by_path)
         self._find_faults = find_faults
         self._scrapes = Scrapes(self.state)
-        self._pictures = Pictures(router, fronts.of(None))
+        self._path_fronts = path_fronts
         self._counters = ServerCounters()
         self._admission = admission(self._room_for, rules)
         self._version = version
@@ -269,7 +270,7 @@ class Server:
         try:
             _, identity = self._identify(request, connection)
         except NotAdmittedError as error:
-            return _unauthenticated(protocol, error)
+            return unauthenticated(protocol, error)
         if method_of(request) == "HEAD":
             return page(protocol, request, None, CONTENT_TYPE)
         if sum(each.awaits_page for each in self._connections) >= MAX_PAGES:
@@ -285,14 +286,18 @@ class Server:
         return None
 
     def _show(
-        self, protocol: ServerProtocol, request: Request, connection: HttpConnection
+        self,
+        front: PathFront,
+        protocol: ServerProtocol,
+        request: Request,
+        connection: HttpConnection,
     ) -> Response | None:
-        """Have images sent to a role, or refuse the request."""
+        """Have a front answer a role, or refuse the request."""
         try:
             address, identity = self._identify(request, connection)
         except NotAdmittedError as error:
-            return _unauthenticated(protocol, error)
-        return self._pictures.respond(protocol, request, connection, identity, address)
+            return unauthenticated(protocol, error)
+        return front.respond(protocol, request, connection, identity, address)
 
     def _identify(self, request: Request, connection: HttpConnection) -> tuple[str, Identity]:
         """Return the address and the identity behind an HTTP request."""
@@ -350,7 +355,7 @@ class Server:
         clients: list[tuple[ClientConnection, ClientSession]] = [
             (each, each.session) for each in self._connections if each.session is not None
         ]
-        clients += self._pictures.sessions()
+        clients += [each for front in self._path_fronts for each in front.sessions()]
         for session in self._admission.reload(tokens, policy, clients):
             self._router.revoke(session)
 
@@ -366,9 +371,10 @@ class Server:
         if not self._connections:
             self._all_gone.set()
         self._admission.left(connection, session)
-        was_client = session is not None or connection in self._pictures
+        was_client = session is not None or any(connection in front for front in self._path_fronts)
         try:
-            self._pictures.left(connection)
+            for front in self._path_fronts:
+                front.left(connection)
             if session is not None:
                 self._left = self._left.plus(client_counts(session))
                 self._router.leave(session)
@@ -401,9 +407,3 @@ class Server:
         for connection in list(self._connections):
             connection.abort()
         await self._all_gone.wait()
-
-
-def _unauthenticated(protocol: ServerProtocol, error: NotAdmittedError) -> Response:
-    response = protocol.reject(401, f"{error}\n")
-    response.headers["WWW-Authenticate"] = "Bearer"
-    return response

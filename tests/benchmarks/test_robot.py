@@ -8,7 +8,7 @@ from benchmarks.robot import AGED, CAMERAS, LATCHED, ODOMETRY, PICTURE_OPTIONS, 
 from benchmarks.samples import HEADER
 from gateway.codec.image import ImageOptions
 from gateway.codec.json import dumps
-from gateway.codec.picture import cbor_picture_renderer, picture_renderer
+from gateway.codec.picture import picture_renderer
 from gateway.codec.types import Types
 from schemas.installed import InstalledDefinitions
 
@@ -39,11 +39,13 @@ def test_the_gateway_reads_each_message():
 def test_the_time_of_sending_is_found_in_pictures_and_in_odometry(options):
     odometry, images = (TYPES.get(ROBOT[name].type_name()) for name in (ODOMETRY, CAMERAS[0]))
     is_cbor = "compression" in PICTURE_OPTIONS[options]
-    render = (cbor_picture_renderer if is_cbor else picture_renderer)(images, ImageOptions())
+    render = picture_renderer(images, ImageOptions())
     frames = {
         ODOMETRY: dumps(odometry.decode(stamped(ODOMETRY))),
-        **{name: render(stamped(name)) for name in CAMERAS},
     }
+    for name in CAMERAS:
+        picture = render(stamped(name))
+        frames[name] = picture.cbor() if is_cbor else picture.json()
     for name, frame in frames.items():
         one = clockwork(options, name)
         found = one.pattern.search(frame)

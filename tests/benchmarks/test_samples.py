@@ -24,7 +24,7 @@ def frame(name: str, cdr: bytes) -> bytes:
     if SAMPLES[name].compression == "cbor-raw":
         return cbor.dumps({"secs": 1, "nsecs": 2, "bytes": cdr})
     if message_type(name) == "sensor_msgs/msg/Image":
-        return picture_renderer(codec, ImageOptions())(cdr)
+        return picture_renderer(codec, ImageOptions())(cdr).json()
     return dumps(codec.decode(cdr))
 
 

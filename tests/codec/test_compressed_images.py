@@ -29,7 +29,7 @@ def coded(pixels: Any, extension: str = ".png") -> bytes:
 
 def rendered(options: ImageOptions, **values: Any) -> dict[str, Any]:
     cdr = COMPRESSED.encode(values, 0)
-    return json.loads(picture_renderer(COMPRESSED, options)(cdr))
+    return json.loads(picture_renderer(COMPRESSED, options)(cdr).json())
 
 
 def shown(message: dict[str, Any]) -> Any:

@@ -10,8 +10,9 @@ from pydantic import ValidationError
 from gateway.config.model import TAKEN_PATHS, Config, ImagesConfig
 from gateway.config.reference import reference
 from gateway.config.settings import settings
+from gateway.fronts.pictures import requests as picture_requests
 from gateway.fronts.rosbridge.operations.topics import IMAGE_FORMATS
-from gateway.transport import health, picture_requests
+from gateway.transport import health
 
 ROOT = Path(__file__).parents[2]
 

@@ -5,20 +5,17 @@ A client with the subprotocol ``lines`` sends ``watch TOPIC``, ``unwatch TOPIC``
 gets ``TOPIC MESSAGE``, with the message in JSON, ``ok TEXT`` and ``error TEXT``.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 from gateway.access.permissions import Identity
 from gateway.codec.chunks import Chunks
 from gateway.codec.json import dumps
 from gateway.core.errors import Level, ProtocolError, StatusCode
-from gateway.core.frames import PerClient, PublishFrames
+from gateway.core.frames import Framing, PerClient, PublishFrames
 from gateway.core.requests import (
-    CallService,
-    Compression,
     Request,
     RequestId,
-    SendActionGoal,
     Stop,
     Subscribe,
     Unsubscribe,
@@ -50,18 +47,14 @@ class LineFrames:
         return self.shared_chunks(message)
 
 
-class LineFraming:
-    def frames(self, topic: str, _: Compression) -> PublishFrames:
+class LineFraming(Framing):
+    def frames(self, topic: str) -> PublishFrames:
         return LineFrames(topic)
-
-    def text(self, topic: str, message: Iterable[bytes]) -> Iterator[bytes]:
-        raise NotImplementedError  # nobody asks for a picture of a text
 
 
 class LineSession(ClientSession):
     """Says everything in lines. Its clients provide nothing, and call nothing."""
 
-    framing = LineFraming()
     NOT_AUTHENTICATED = "connect with the header `Authorization: Bearer TOKEN`"
 
     def say(self, text: str) -> None:
@@ -90,30 +83,6 @@ class LineSession(ClientSession):
     def answer(self, kind: str, request_id: RequestId, **members: Any) -> None:
         self.say(f"ok {kind} {dumps(members).decode()}")
 
-    def describe(self, *_: Any) -> None:
-        raise NotImplementedError  # there is no operation for it, as for what follows
-
-    def respond(self, request: CallService, values: dict[str, Any]) -> None:
-        raise NotImplementedError
-
-    def finish(self, request: SendActionGoal, values: dict[str, Any], status: int) -> None:
-        raise NotImplementedError
-
-    def feedback_frame(self, request: SendActionGoal, values: dict[str, Any]) -> bytes:
-        raise NotImplementedError
-
-    def transform_frame(self, request_id: RequestId, transform: bytes) -> bytes:
-        raise NotImplementedError
-
-    def pass_call(self, service: str, name: str, args: object) -> str:
-        raise NotImplementedError
-
-    def pass_goal(self, action: str, name: str, type_name: str, args: object) -> str:
-        raise NotImplementedError
-
-    def pass_cancel(self, name: str, goal_id: str) -> None:
-        raise NotImplementedError
-
 
 class LineFront:
     """Reads lines, and has the core carry them out."""
@@ -137,7 +106,7 @@ class LineFront:
         session.received += 1
         match data.decode().split():
             case ["watch", topic]:
-                self._core.carry_out(session, Subscribe(topic=topic))
+                self._core.carry_out(session, Subscribe(topic=topic, framing=LineFraming()))
             case ["unwatch", topic]:
                 self._core.carry_out(session, Unsubscribe(topic=topic))
             case ["stop"]:

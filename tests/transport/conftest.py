@@ -18,6 +18,7 @@ from gateway.access.web_rules import WebRules
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.core.router import Router
+from gateway.fronts.pictures.front import Pictures
 from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.transport.front import Fronts
 from gateway.transport.http import own_names
@@ -36,6 +37,7 @@ class Served:
     ros: FakeRos
     types: Types
     port: int
+    pictures: Pictures
 
     @property
     def url(self) -> str:
@@ -95,15 +97,17 @@ def serve() -> Serve:
         all_limits = Limits(**{"max_clients": 8, "max_clients_per_address": 8, **(limits or {})})
         with ThreadPoolExecutor(2) as workers:
             router = Router(ros, types, TABLE, limits=all_limits, workers=workers, version="test")
+            pictures = Pictures(router)
             server = Server(
                 router,
                 Fronts(RosbridgeFront(router)),
+                pictures,
                 limits=all_limits,
                 web_rules=rules,
                 **options,
             )
             async with server.listening(["127.0.0.1"], ListenPort(0, tls)) as (((_, port),),):
-                yield Served(server, ros, types, port)
+                yield Served(server, ros, types, port, pictures)
             assert server.health()["clients"] == 0
             router.close()
             assert ros.entity_count() == 0

@@ -5,10 +5,10 @@ import json
 import re
 
 from gateway.config.model import TAKEN_PATHS
+from gateway.fronts.pictures.requests import _IGNORED, _KNOWN
 from gateway.transport.counters import _REFUSALS
 from gateway.transport.health import _WORST_FIRST
 from gateway.transport.http import _PROTOCOL
-from gateway.transport.picture_requests import _IGNORED, _KNOWN
 from tests.doc_blocks import DOCS, texts
 from tests.transport.conftest import Serve
 

@@ -14,16 +14,11 @@ from typing import Final
 from gateway.codec.cdr import Cdr
 from gateway.codec.chunks import Chunks
 from gateway.codec.errors import CodecError
-from gateway.codec.grid_picture import GRID, grid_renderer
 from gateway.codec.nonfinite import writer
-from gateway.codec.picture import picture_renderer
 from gateway.codec.types import MessageType
 from gateway.core.entries import NOT_READY, NOTHING, Frame, NoFrame
 from gateway.core.frames import Meta, PerClient
-from gateway.core.topics.large_samples import (
-    LARGE_SAMPLE_BYTES,
-    LargeSamples,
-)
+from gateway.core.topics.large_samples import LARGE_SAMPLE_BYTES, EncodedTopic, LargeSamples
 from gateway.core.topics.subscription import EncodingKey, Subscription
 from gateway.sources.source import Sample
 
@@ -52,7 +47,7 @@ class Encoding:
         """Samples of more bytes than *most_at_once* are large."""
         self.subscriptions: list[Subscription] = []
         self.image = key.image
-        self.frames = key.framing.frames(key.requested_name, key.compression)
+        self.frames = key.framing.frames(key.requested_name)
         self._encode = encode
         self._on_error = on_error
         self._large = large
@@ -90,17 +85,19 @@ class WorkerEncoding(Encoding):
         key: EncodingKey,
         encode: Encode,
         on_error: Callable[[CodecError], None],
-        *,
-        topic: str,
-        on_ready: Callable[[], None],
+        topic: EncodedTopic,
         workers: Executor,
+        on_close: Callable[[], None] = lambda: None,
     ) -> None:
-        """*topic* is the resolved name, for the log."""
         super().__init__(key, encode, on_error)
         self._topic = topic
-        self._on_ready = on_ready
         self._workers = workers
+        self._on_close = on_close
         self._busy_with: SharedFrame | None = None
+
+    def close(self) -> None:
+        """Share nothing with other encodings any more."""
+        self._on_close()
 
     def is_encoding(self, shared: "SharedFrame") -> bool:
         """Return whether a worker encodes this sample right now."""
@@ -126,10 +123,10 @@ class WorkerEncoding(Encoding):
             if isinstance(error, CodecError):
                 self._on_error(error)
             else:
-                extra = {"topic": self._topic}
+                extra = {"topic": self._topic.name}
                 logger.error("encoding a sample failed", exc_info=error, extra=extra)
             shared.supply(NOTHING)
-        self._on_ready()
+        self._topic.on_ready()
 
 
 class SharedFrame:
@@ -233,20 +230,14 @@ class PerClientFrame:
             image = shared.encoding.image if subscription.follows_link else None
             quality = None if image is None else image.quality
             meta = Meta(shared.seq, self._received_ns, shared.size, subscription.lost, quality)
-        own = PerClient(
-            shared.seq, meta, options.fragment_size, subscription.session.reads_ascii_only
-        )
+        own = PerClient(shared.seq, options.framing, meta, subscription.session.reads_ascii_only)
         if isinstance(message, Chunks):
             return shared.encoding.frames.per_client_chunks(message, own)
         return shared.encoding.frames.per_client(message, own)
 
 
 def to_json(message_type: MessageType, key: EncodingKey) -> Encode:
-    """Return what makes JSON of a sample: of a picture or a map, its fields as an image."""
-    if key.image is not None and message_type.name == GRID:
-        return grid_renderer(message_type)
-    if key.image is not None:
-        return picture_renderer(message_type, key.image)
+    """Return what makes JSON of a small sample."""
     decode = message_type.decoder(key.fields)
     write = writer(key.nonfinite)
     return lambda cdr: write(decode(cdr))

@@ -16,6 +16,7 @@ from gateway.codec.chunks import Chunk, Chunks
 from gateway.codec.errors import CodecError
 from gateway.core.entries import NOT_READY, NOTHING, Frame
 from gateway.core.topics.kept_messages import KeptMessages
+from gateway.core.topics.shared_pictures import TopicPictures
 from gateway.core.topics.slices import Slices
 from gateway.sources.source import Sample
 
@@ -61,6 +62,7 @@ class EncodedTopic:
     on_ready: Callable[[], None]  # called when a sample is encoded that was not at once
     is_latched: Callable[[], bool]  # late subscribers get what was published before
     now_ns: Callable[[], int]  # ROS time
+    pictures: TopicPictures = field(default_factory=TopicPictures)
 
 
 class LargeSamples:

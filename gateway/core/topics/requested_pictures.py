@@ -43,8 +43,8 @@ def why_plain(request: Subscribe, options: SubscriptionOptions, type_name: str) 
         return ""
     if type_name not in {IMAGE, COMPRESSED_IMAGE, GRID}:
         why = f"{type_name} cannot be sent as images"
-    elif options.compression == "cbor-raw":
-        why = "cbor-raw cannot be sent as images"
+    elif options.framing.content == "cdr":
+        why = f"{options.framing.name} cannot be sent as images"
     elif options.fields is not None:
         why = "with fields, images are not available"
     else:
@@ -69,7 +69,7 @@ def _as_asked(
         image_format = image.format or ("jpeg" if image.asks_for_picture else "raw")
     elif message_type.name != IMAGE:
         return None
-    if options.fields is not None or image_format == "raw" or options.compression == "cbor-raw":
+    if options.fields is not None or image_format == "raw" or options.framing.content == "cdr":
         return None
     asked = ImageOptions(image_format, image.quality, image.max_width, image.max_height)
     if image.depth_range_m is None:
@@ -84,7 +84,7 @@ def _grid_options(options: SubscriptionOptions) -> ImageOptions | None:
     """Return how a map is encoded, with the values of its cells. ``None`` for a plain message."""
     image = options.image
     is_plain = image.format == "raw" or (image.format is None and not image.asks_for_picture)
-    if is_plain or options.fields is not None or options.compression == "cbor-raw":
+    if is_plain or options.fields is not None or options.framing.content == "cdr":
         return None
     if image.format != "png" or image.max_width is not None or image.max_height is not None:
         text = 'image: a map comes as png with all of its cells: use only {"format":"png"}'

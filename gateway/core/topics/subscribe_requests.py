@@ -12,11 +12,8 @@ from gateway.core.session import Session
 from gateway.core.topic_types import TypeAskedError
 from gateway.core.topics.requested_pictures import why_plain
 from gateway.core.topics.subscription import Feed, Subscription
-from gateway.core.topics.subscription_options import compression
 from gateway.sources.graph import Graph
 from gateway.sources.source import Ros
-
-_NO_COMPRESSION = frozenset({None, "", "none"})
 
 
 def with_bounded_queue(request: Subscribe, session: Session) -> Subscribe:
@@ -30,10 +27,10 @@ def with_bounded_queue(request: Subscribe, session: Session) -> Subscribe:
     return replace(request, queue_length=longest)
 
 
-def check_compression(request: Subscribe) -> None:
+def check_content(request: Subscribe) -> None:
     """Refuse fields that cannot be told apart as a message travels, before its type is known."""
-    if request.fields is not None and compression(request) == "cbor-raw":
-        text = "fields: cbor-raw sends whole messages, use cbor to select fields"
+    if request.fields is not None and request.framing.content == "cdr":
+        text = f"fields: {request.framing.name} sends whole messages, use cbor to select fields"
         raise ProtocolError("bad_request", text)
 
 
@@ -54,10 +51,8 @@ def report(
 ) -> None:
     """Tell a client what has become of its request."""
     session, name = subscription.session, subscription.topic_name
-    if compression(request) == "none" and request.compression not in _NO_COMPRESSION:
-        unknown = truncate(request.compression or "")
-        text = f"compression: {unknown!r} is not available, sending plain JSON"
-        session.warn(ProtocolError("bad_request", text), request)
+    if request.framing.warning:
+        session.warn(ProtocolError("bad_request", request.framing.warning), request)
     if asked is not None:
         text = f"topic {name}: {asked.question}, waiting for it"
         session.inform(text, request)

@@ -12,7 +12,7 @@ from gateway.core.entries import Entry
 from gateway.core.errors import ProtocolError
 from gateway.core.frames import Framing
 from gateway.core.names import TopicName
-from gateway.core.requests import Compression, Subscribe
+from gateway.core.requests import Subscribe
 from gateway.core.session import Session
 from gateway.core.topic_counts import NOTHING_DELIVERED, TopicCounts
 from gateway.core.topics.picture_adaptation import PictureAdaptation
@@ -37,7 +37,6 @@ class EncodingKey(NamedTuple):
     requested_name: str  # of the topic: clients match frames by that text
     fields: tuple[str, ...] | None
     image: ImageOptions | None  # None: a plain message
-    compression: Compression = "none"
     nonfinite: NonFinite = "null"  # of CBOR, and of pictures, always
 
 

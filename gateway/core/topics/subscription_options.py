@@ -3,11 +3,12 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final, TypeVar, get_args
+from functools import reduce
+from typing import Final, TypeVar
 
-from gateway.codec.nonfinite import NonFinite
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.core.requests import Compression, ImageRequest, Subscribe
+from gateway.core.frames import Framing
+from gateway.core.requests import ImageRequest, Subscribe
 from gateway.core.topics.throttle import Pace
 from gateway.sources.source import Qos
 
@@ -18,17 +19,15 @@ DEFAULT_QUEUE_BYTES: Final = 512 * 1024  # 700 of odometry, the newest few of bi
 
 T = TypeVar("T")
 
-_COMPRESSIONS: Final[tuple[Compression, ...]] = get_args(Compression)  # later ones win
-
 
 @dataclass(frozen=True, slots=True)
 class SubscriptionOptions:
     """The sum of a client's `subscribe` requests for one topic.
 
     A `publish` frame does not say which request it is for. So several requests of one client for
-    one topic are one subscription, as in rosbridge. It has the shortest throttle, queue, silence,
-    and fragments, and the strongest compression. It has all the fields that any request
-    names, and the newest type, QoS, image options and form of non-finite numbers.
+    one topic are one subscription, as in rosbridge. It has the shortest throttle, queue, and
+    silence, all the fields that any request names, and the newest type, QoS, and image options. The
+    front merges the framings.
     """
 
     type: str | int | None
@@ -39,9 +38,7 @@ class SubscriptionOptions:
     pace: Pace
     stale_after_ns: int | None
     queue_length: int | None
-    compression: Compression
-    fragment_size: int | None
-    nonfinite: NonFinite
+    framing: Framing
 
     @classmethod
     def merge(cls, requests: Iterable[Subscribe]) -> "SubscriptionOptions":
@@ -58,7 +55,6 @@ class SubscriptionOptions:
             fields = tuple(sorted({field for request in asked for field in request.fields or ()}))
         types = [request.type for request in asked if request.type is not None]
         silences = [known for request in asked if (known := request.stale_after_ms) is not None]
-        sizes = [known for request in asked if (known := request.fragment_size) is not None]
         return cls(
             type=types[-1] if types else None,
             qos=_newest(request.qos for request in asked) or Qos(),
@@ -68,15 +64,13 @@ class SubscriptionOptions:
             pace=Pace(round(throttle_ms * 1e6), throttle_length),
             stale_after_ns=round(min(silences) * 1e6) if silences else None,
             queue_length=min(lengths, default=None),
-            compression=max((compression(request) for request in asked), key=_COMPRESSIONS.index),
-            fragment_size=min(sizes, default=None),
-            nonfinite=_newest(request.nonfinite for request in asked) or "null",
+            framing=reduce(lambda older, one: one.after(older), (each.framing for each in asked)),
         )
 
     @property
     def needs_own_frames(self) -> bool:
         """True if no frame can be shared with other subscriptions."""
-        return self.meta or self.fragment_size is not None
+        return self.meta or self.framing.needs_own_frames
 
     @property
     def queue_bounds(self) -> tuple[int, int | None]:
@@ -84,11 +78,6 @@ class SubscriptionOptions:
         if self.queue_length is None:
             return DEFAULT_QUEUE_LENGTH, DEFAULT_QUEUE_BYTES
         return self.queue_length, None
-
-
-def compression(request: Subscribe) -> Compression:
-    """Return the compression of a request. An unknown one counts as ``none``, as in rosbridge."""
-    return next((known for known in _COMPRESSIONS if known == request.compression), "none")
 
 
 def _newest(values: Iterable[T | None]) -> T | None:

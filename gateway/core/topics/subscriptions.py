@@ -19,7 +19,7 @@ from gateway.core.topics.requested_pictures import fits_link, requested_picture
 from gateway.core.topics.requested_qos import subscribed
 from gateway.core.topics.silence_watch import SilenceWatch
 from gateway.core.topics.subscribe_requests import (
-    check_compression,
+    check_content,
     check_fields,
     report,
     topic_meant,
@@ -92,7 +92,7 @@ class Subscriptions:
             RosError: ROS refuses it, and nothing has changed.
         """
         name = resolve_topic(request.topic, session.limits.max_name_characters)
-        check_compression(request)
+        check_content(request)
         subscription = self._subscriptions.get(session, {}).get(request.topic)
         request = with_bounded_queue(request, session)
         requests = dict(subscription.requests) if subscription else {}
@@ -229,17 +229,12 @@ class Subscriptions:
             return None
         check_fields(message_type, options.fields)
         image = requested_picture(message_type, options, session.image_format, step)
-        is_json = options.compression in {"none", "png"} and image is None
-        nonfinite = options.nonfinite if is_json else "null"
+        is_json = options.framing.content == "json" and image is None
+        nonfinite = options.framing.nonfinite if is_json else None
         return Feed(
             TopicKey(name, message_type.name, subscribed(options, message_type)),
             EncodingKey(
-                session.framing,
-                requested_name,
-                options.fields,
-                image,
-                options.compression,
-                nonfinite,
+                options.framing, requested_name, options.fields, image, nonfinite or "null"
             ),
         )
 

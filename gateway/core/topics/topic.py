@@ -15,11 +15,7 @@ from gateway.core.errors import ProtocolError
 from gateway.core.topic_counts import TopicCounts
 from gateway.core.topic_events import warning
 from gateway.core.topics.encoders import make_encoding
-from gateway.core.topics.encoding import (
-    Encoding,
-    PerClientFrame,
-    SharedFrame,
-)
+from gateway.core.topics.encoding import Encoding, PerClientFrame, SharedFrame
 from gateway.core.topics.fan_out import Batch, write_directly
 from gateway.core.topics.large_samples import EncodedTopic, EncodingResources
 from gateway.core.topics.late_join import LateJoin

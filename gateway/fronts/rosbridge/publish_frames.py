@@ -5,20 +5,21 @@ A message of a topic is framed once and its bytes are shared by all subscribers,
 library cannot do for us: it frames per connection.
 """
 
-from collections.abc import Iterable, Iterator
-from typing import Final
+from typing import TYPE_CHECKING, Final, cast
 
 import orjson
 
 from gateway.codec import cbor
 from gateway.codec.chunks import Chunks
 from gateway.codec.json import ascii_only
-from gateway.core.frames import Meta, PerClient, PublishFrames
-from gateway.core.requests import Compression
+from gateway.core.frames import Meta, PerClient
 from gateway.core.ros_time import stamp
 from gateway.fronts.rosbridge import messages
 from gateway.fronts.rosbridge.fragments import split
 from gateway.transport.websocket_frames import BINARY, TEXT, header, payload_offset, text_frame
+
+if TYPE_CHECKING:  # it imports this
+    from gateway.fronts.rosbridge.framing import RosbridgeFraming
 
 
 def text_frames(text: bytes, fragment_size: int | None, fragment_id: str) -> bytes:
@@ -50,7 +51,7 @@ class JsonFrames:
         text = b"".join((self._own_prefix(own), message, messages.PUBLISH_SUFFIX))
         if own.is_ascii:
             text = ascii_only(text)
-        return text_frames(text, own.fragment_size, f"publish:{self._topic}:{own.seq}")
+        return text_frames(text, _fragment_size(own), f"publish:{self._topic}:{own.seq}")
 
     def shared_chunks(self, message: Chunks) -> Chunks:
         """Frame a large message."""
@@ -58,7 +59,7 @@ class JsonFrames:
 
     def per_client_chunks(self, message: Chunks, own: PerClient) -> bytes | Chunks:
         """Add meta, escape and split as requested. Only to split, all of it is copied."""
-        if own.fragment_size is not None:
+        if _fragment_size(own) is not None:
             return self.per_client(bytes(message), own)
         prefix = self._own_prefix(own)
         if own.is_ascii:
@@ -99,7 +100,7 @@ class PngFrames:
         if own.meta is not None:
             end = b"," + orjson.dumps(_members(own.meta))[1:]
         text = b"".join((self._PREFIX, message, b'"', end))
-        return text_frames(text, own.fragment_size, f"publish:{self._topic}:{own.seq}")
+        return text_frames(text, _fragment_size(own), f"publish:{self._topic}:{own.seq}")
 
     def shared_chunks(self, message: Chunks) -> Chunks:
         """Frame a message in pieces."""
@@ -151,27 +152,8 @@ class CborFrames:
         return b"".join((cbor.head(cbor.MAP, len(members) + 1), *items, self._MSG))
 
 
-class RosbridgeFraming:
-    """Makes what frames topics."""
-
-    def frames(self, topic: str, compression: Compression) -> PublishFrames:
-        """Return what makes the frames of a topic. *topic* is its name as requested."""
-        match compression:
-            case "none":
-                return JsonFrames(topic)
-            case "png":
-                return PngFrames(topic)
-            case "cbor" | "cbor-raw":
-                return CborFrames(topic)
-
-    def text(self, topic: str, message: Iterable[bytes]) -> Iterator[bytes]:
-        """Yield the `publish` frame that a picture holds."""
-        yield ascii_only(messages.publish_prefix(topic))
-        yield from map(ascii_only, message)
-        yield messages.PUBLISH_SUFFIX
-
-
-FRAMING: Final = RosbridgeFraming()
+def _fragment_size(own: PerClient) -> int | None:
+    return cast("RosbridgeFraming", own.framing).fragment_size
 
 
 def _members(meta: Meta) -> dict[str, object]:

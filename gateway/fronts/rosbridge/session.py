@@ -28,7 +28,7 @@ from gateway.fronts.rosbridge.operations.commands import Stop
 from gateway.fronts.rosbridge.operations.fragment import Fragment
 from gateway.fronts.rosbridge.operations.gateway import Help
 from gateway.fronts.rosbridge.operations.services import CallService
-from gateway.fronts.rosbridge.publish_frames import FRAMING, text_frames
+from gateway.fronts.rosbridge.publish_frames import text_frames
 from gateway.transport.front import ClientSession
 
 Reading: TypeAlias = Generator[None, None, ClientOperation | None]
@@ -63,7 +63,6 @@ class RosbridgeSession(ClientSession):
     Give it every message in order (`receive`), and carry out the operation that it returns.
     """
 
-    framing = FRAMING
     NOT_AUTHENTICATED = NOT_AUTHENTICATED
 
     def __init__(

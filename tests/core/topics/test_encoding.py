@@ -11,8 +11,9 @@ import pytest
 
 from gateway.core.entries import NOT_READY
 from gateway.core.topics.encoding import PerClientFrame, SharedFrame, WorkerEncoding
+from gateway.core.topics.large_samples import EncodedTopic
 from gateway.core.topics.subscription import EncodingKey
-from gateway.fronts.rosbridge.publish_frames import FRAMING
+from gateway.fronts.rosbridge.framing import RosbridgeFraming
 from gateway.sources.source import Sample
 from tests.client import eventually
 from tests.core.conftest import GRID, IMAGE, SCAN, STRING, Bench
@@ -276,16 +277,10 @@ class Workers:
 
 async def test_one_sample_is_encoded_at_a_time():
     workers: Any = Workers()
-    key = EncodingKey(FRAMING, "/camera", None, None)
+    key = EncodingKey(RosbridgeFraming(), "/camera", None, None)
     ready: list[None] = []
-    encoding = WorkerEncoding(
-        key,
-        bytes,
-        lambda error: None,
-        topic="/camera",
-        on_ready=lambda: ready.append(None),
-        workers=workers,
-    )
+    topic = EncodedTopic("/camera", lambda: ready.append(None), lambda: False, lambda: 0)
+    encoding = WorkerEncoding(key, bytes, lambda error: None, topic, workers)
     one, other = (SharedFrame(encoding, Sample(b"cdr", 0), seq) for seq in (1, 2))
     assert [each.frame() for each in (one, other, one, other)] == [NOT_READY] * 4
     assert [one.is_being_encoded, other.is_being_encoded] == [True, False]

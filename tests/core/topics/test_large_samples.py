@@ -24,7 +24,7 @@ from gateway.core.topics.large_samples import (
     LargeSamples,
 )
 from gateway.core.topics.subscription import EncodingKey
-from gateway.fronts.rosbridge.publish_frames import FRAMING
+from gateway.fronts.rosbridge.framing import RosbridgeFraming
 from gateway.sources.source import Qos, Sample
 from tests.client import eventually
 from tests.core.conftest import GRID, STRING, Bench, Socketless
@@ -173,7 +173,7 @@ async def test_of_samples_that_come_while_one_is_encoded_the_newest_is_next(benc
 
 
 async def test_one_large_sample_of_an_encoding_is_encoded_at_a_time():
-    key = EncodingKey(FRAMING, "/t", None, None)
+    key = EncodingKey(RosbridgeFraming(), "/t", None, None)
     ready: list[None] = []
     topic = EncodedTopic("/t", lambda: ready.append(None), lambda: False, lambda: 0)
     workers: Any = None

@@ -51,12 +51,13 @@ def test_one_request_for_everything_gets_everything():
 )
 def test_the_strongest_compression_wins(asked, strongest):
     requests = [{"id": number, "compression": one} for number, one in enumerate(asked)]
-    assert merged(*requests).compression == strongest
+    assert merged(*requests).framing.compression == strongest
 
 
 def test_the_smallest_fragments_win_and_none_are_the_default():
-    assert merged().fragment_size is None
-    assert merged({}, {"fragment_size": 2**31 - 1}, {"fragment_size": 64}).fragment_size == 64
+    assert merged().framing.fragment_size is None
+    options = merged({}, {"fragment_size": 2**31 - 1}, {"fragment_size": 64})
+    assert options.framing.fragment_size == 64
 
 
 @pytest.mark.parametrize(("max_fps", "throttle", "expected_ms"), [(10, 0, 100), (10, 200, 200)])

@@ -19,7 +19,7 @@ from gateway.core.topics.large_samples import EncodingResources
 from gateway.core.topics.subscription import EncodingKey, Feed, Subscription, TopicKey
 from gateway.core.topics.subscription_options import SubscriptionOptions
 from gateway.core.topics.topic import TIMED_AT_ONCE, Topic
-from gateway.fronts.rosbridge.publish_frames import FRAMING
+from gateway.fronts.rosbridge.framing import RosbridgeFraming
 from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.sources.source import Qos, RosError, Sample
 from schemas.installed import InstalledDefinitions
@@ -31,7 +31,7 @@ SECOND = 1_000_000_000
 STRING = "std_msgs/msg/String"
 TYPES = Types(InstalledDefinitions())
 NAME = TopicName("/t")
-PLAIN = EncodingKey(FRAMING, "/t", None, None)
+PLAIN = EncodingKey(RosbridgeFraming(), "/t", None, None)
 
 RATE_BATCHES = 16
 
@@ -100,10 +100,10 @@ def test_a_topic_is_idle_until_its_first_and_after_its_last_subscription(topic: 
     assert topic.is_idle
     one, other = subscription(), subscription()
     topic.add(one, PLAIN)
-    topic.add(other, EncodingKey(FRAMING, "/t", ("data",), None))
+    topic.add(other, EncodingKey(RosbridgeFraming(), "/t", ("data",), None))
     topic.remove(one, PLAIN)
     assert not topic.is_idle
-    topic.remove(other, EncodingKey(FRAMING, "/t", ("data",), None))
+    topic.remove(other, EncodingKey(RosbridgeFraming(), "/t", ("data",), None))
     assert topic.is_idle
 
 
@@ -195,7 +195,7 @@ async def test_another_encoding_of_the_topic_does_not_restart_the_late_join(
     ros: FakeRos, latched: Topic
 ):
     late = join(latched)
-    fields = EncodingKey(FRAMING, "/t", ("data",), None)
+    fields = EncodingKey(RosbridgeFraming(), "/t", ("data",), None)
     latched.add(late, fields)
     late.source = Feed(latched.key, fields)
     latched.remove(late, PLAIN)

@@ -13,7 +13,7 @@ from gateway.codec.errors import CodecError
 from gateway.codec.image import ImageOptions
 from gateway.codec.image_encodings import ENCODINGS
 from gateway.codec.json import loads
-from gateway.codec.picture import cbor_picture_renderer, picture_renderer
+from gateway.codec.picture import picture_renderer
 from gateway.codec.png import text_as_png
 from tests.fuzz import types
 from tests.fuzz.choices import Choices
@@ -43,18 +43,19 @@ def show(choices: Choices) -> None:
         max_height=choices.pick(BOUNDS),
         depth_range_m=choices.pick(((0.0, 10.0), (0.0, 0.1), (999.9, 1000.0))),
     )
-    render = choices.pick((picture_renderer, cbor_picture_renderer))
+    is_json = choices.pick((True, False))
     cdr = an_image(choices)
     try:
-        message: Any = render(types.types().get(IMAGE), options)(cdr)
+        picture = picture_renderer(types.types().get(IMAGE), options)(cdr)
     except CodecError as error:
         check(str(error), "refused without words")
         return
-    if render is picture_renderer:
-        message = loads(message)
+    message: Any
+    if is_json:
+        message = loads(picture.json())
         pixels = pybase64.b64decode(message["data"], validate=True)
     else:
-        message = cbor2.loads(message)
+        message = cbor2.loads(picture.cbor())
         pixels = message["data"]
     shown = cv2.imdecode(np.frombuffer(pixels, np.uint8), cv2.IMREAD_UNCHANGED)
     check(shown is not None, "is no picture")

@@ -9,6 +9,7 @@ from pydantic_core import core_schema
 from gateway.codec.nonfinite import NonFinite
 from gateway.core import requests
 from gateway.core.requests import IMAGE_FORMATS, MIN_RATE_HZ, Request
+from gateway.fronts.rosbridge.framing import RosbridgeFraming
 from gateway.fronts.rosbridge.operations.base import (
     FragmentSize,
     Operation,
@@ -203,13 +204,11 @@ class Subscribe(Operation):
             type=self.type,
             throttle_ms=self.throttle_rate or 0,
             queue_length=self.queue_length,
-            compression=self.compression,
-            fragment_size=self.fragment_size,
+            framing=RosbridgeFraming.of(self.compression, self.fragment_size, self.nonfinite),
             qos=None if self.qos is None else self.qos.request(),
             fields=self.fields,
             image=None if self.image is None else self.image.request(),
             meta=self.meta,
-            nonfinite=self.nonfinite,
             stale_after_ms=self.stale_after_ms,
         )
 

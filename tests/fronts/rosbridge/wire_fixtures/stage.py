@@ -31,11 +31,12 @@ from gateway.core.errors import Level
 from gateway.core.introspection import assets
 from gateway.core.topics.slices import Slices
 from gateway.drive.effects import GuardState
+from gateway.fronts.pictures.front import Pictures
 from gateway.sources.actions import GoalOutcome, GoalRequest
 from gateway.sources.source import Qos, Sample
 from gateway.transport.admission import Admission
-from gateway.transport.http import HttpConnection
-from gateway.transport.picture_streams import Pictures, Viewer
+from gateway.transport.front import HttpSession
+from gateway.transport.http_connection import HttpConnection
 from tests.core.conftest import Bench, Socketless, open_bench
 from tests.fronts.rosbridge.wire_fixtures.text import OPENCV, shortened, shown, shown_bytes
 from tests.sources.fake import FakePublisher
@@ -134,7 +135,7 @@ class Viewing:
     def answer(self, response: Response) -> None:
         self.write(response.serialize())
 
-    def show(self, viewer: Viewer) -> None:
+    def show(self, viewer: HttpSession) -> None:
         self.viewer = viewer
 
 
@@ -167,7 +168,7 @@ class Stage:
         self.waiting_s = 0.0
         self.clients: dict[str, Socketless] = {}
         self.goals: dict[str, GoalRequest] = {}
-        self.pictures = Pictures(bench.router, bench.front)
+        self.pictures = Pictures(bench.router)
         authentication = Authentication(_TOKENS, Policy(_ACCESS), None)
         audit = Audit(time.time_ns, lambda line: None)
         rules = WebRules(own_names=frozenset())

@@ -11,28 +11,29 @@ from collections.abc import Iterator
 from typing import Final
 from urllib.parse import urlsplit
 
-import orjson
-import pybase64
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
 from gateway.access.permissions import Identity
-from gateway.core.errors import ProtocolError
+from gateway.core.errors import Level, ProtocolError, StatusCode
+from gateway.core.requests import Request as CoreRequest
 from gateway.core.requests import Subscribe
 from gateway.core.router import Router
-from gateway.sources.source import RosError
-from gateway.transport.front import ClientSession, Front
-from gateway.transport.http import HttpConnection, page
-from gateway.transport.picture_requests import (
+from gateway.fronts.pictures.framing import JPEG_START
+from gateway.fronts.pictures.requests import (
+    PATHS,
     SNAPSHOT,
     VIEWER,
     PictureRequestError,
     picture_request,
     viewer_page,
 )
+from gateway.sources.source import RosError
+from gateway.transport.front import HttpSession
+from gateway.transport.http import page
+from gateway.transport.http_connection import HttpConnection
 from gateway.transport.static_files import method_of
-from gateway.transport.websocket_frames import payload
 
 # Each may hold one picture that waits, one that is encoded and one in the socket: with 16 pictures
 # of VGA 30 MB. More people look at a robot by its pages.
@@ -50,11 +51,13 @@ _MULTIPART: Final = f"multipart/x-mixed-replace; boundary={_BOUNDARY}"
 _STATUS: Final = {"not_found": 404, "forbidden": 403, "limit_exceeded": 503, "internal": 500}
 
 
-class Viewer:
+class Viewer(HttpSession):
     """One request for pictures, until it is answered or its connection ends.
 
     The router wakes it by `flush`, and its connection calls `tick` with the time.
     """
+
+    NOT_AUTHENTICATED = "send a token: Authorization: Bearer TOKEN"
 
     def __init__(
         self,
@@ -62,7 +65,10 @@ class Viewer:
         protocol: ServerProtocol,
         request: Request,
         connection: HttpConnection,
+        identity: Identity,
     ) -> None:
+        super().__init__(pictures.core.limits, self.flush, identity)
+        self.client = connection.name
         self._pictures = pictures
         self._protocol = protocol
         self._request = request
@@ -73,7 +79,6 @@ class Viewer:
         self._is_over = False
         self._flushing = False
         self._warning = ""
-        self.session: ClientSession
         self.topic = ""
 
     def flush(self) -> None:
@@ -82,13 +87,13 @@ class Viewer:
             return
         self._flushing = True  # encoding may report an error, which wakes us again
         try:
-            outbox = self.session.outbox
+            outbox = self.outbox
             while outbox.size and not (self._is_over or self._connection.is_paused):
                 frames = outbox.take(1)
-                if not frames and not outbox.has_control:
+                if not frames:
                     break
                 for frame in frames:
-                    self._take(orjson.loads(payload(bytes(frame))))
+                    self._take(bytes(frame))
         except Exception as bug:  # noqa: BLE001  # of one viewer's
             self._connection.fail(bug)
         finally:
@@ -108,16 +113,40 @@ class Viewer:
         """Send nothing any more."""
         self._is_over = True
 
-    def _take(self, frame: dict[str, object]) -> None:
-        match frame:
-            case {"op": "publish", "msg": {"format": "jpeg", "data": str(data)}}:
-                self._show(pybase64.b64decode(data))
-            case {"op": "publish"}:
-                self._refuse(404, f"topic {self.topic} has no images any more")
-            case {"op": "status", "code": "invalid_value", "msg": str(text)}:
-                self._refuse(503, text)
-            case {"op": "status", "msg": str(text)}:
-                self._warning = text
+    # Called by the core. It shows a warning as the reason why no picture comes.
+
+    def refuse(self, error: ProtocolError, request: CoreRequest | None = None) -> None:
+        """Answer a picture that cannot be made, and note everything else."""
+        if self._is_over:
+            return
+        if error.code == "invalid_value":
+            self._refuse(503, str(error))
+        else:
+            self._warning = str(error)
+
+    def warn(self, error: ProtocolError, request: CoreRequest) -> None:
+        """Do the same with a warning."""
+        self.refuse(error, request)
+
+    def inform(self, text: str, request: CoreRequest) -> None:
+        """Show a picture instead."""
+
+    def alert(self, code: StatusCode, text: str, request: CoreRequest) -> None:
+        """Ask for none of it."""
+
+    def is_stop(self, data: bytes) -> bool:
+        """Receive no messages."""
+        del data
+        return False
+
+    def set_level(self, level: Level) -> None:
+        """Show everything."""
+
+    def _take(self, message: bytes) -> None:
+        if message.startswith(JPEG_START):
+            self._show(message)
+        else:
+            self._refuse(404, f"topic {self.topic} has no images any more")
 
     def _show(self, jpeg: bytes) -> None:
         if self._is_single:
@@ -157,9 +186,10 @@ class Viewer:
 class Pictures:
     """The viewers of all topics, a limited number at a time."""
 
-    def __init__(self, router: Router, front: Front) -> None:
-        self._router = router
-        self._front = front
+    paths: Final = PATHS
+
+    def __init__(self, core: Router) -> None:
+        self.core = core
         self._viewers: dict[HttpConnection, Viewer] = {}
 
     def __len__(self) -> int:
@@ -170,10 +200,9 @@ class Pictures:
         """Return whether a connection gets pictures, or waits for one."""
         return connection in self._viewers
 
-    def sessions(self) -> Iterator[tuple[HttpConnection, ClientSession]]:
+    def sessions(self) -> Iterator[tuple[HttpConnection, HttpSession]]:
         """Yield the connection and the session of each viewer."""
-        for connection, viewer in self._viewers.items():
-            yield connection, viewer.session
+        yield from self._viewers.items()
 
     def respond(
         self,
@@ -200,10 +229,8 @@ class Pictures:
         if len(self._viewers) >= MAX_VIEWERS:
             text = f"busy: {MAX_VIEWERS} other viewers get images. Try again later, or use a page\n"
             return protocol.reject(503, text)
-        viewer = Viewer(self, protocol, request, connection)
-        viewer.session = self._front.open(viewer.flush, address, identity)
-        viewer.session.client = connection.name
-        viewer.session.set_level("warning")  # which it shows as the reason why no picture comes
+        viewer = Viewer(self, protocol, request, connection, identity)
+        self.core.enter(viewer, address)
         self._viewers[connection] = viewer
         connection.show(viewer)
         return self._subscribe(protocol, viewer, connection, asked)
@@ -213,14 +240,14 @@ class Pictures:
         viewer = self._viewers.pop(connection, None)
         if viewer is not None:
             viewer.end()
-            self._router.leave(viewer.session)
+            self.core.leave(viewer)
 
     def _subscribe(
         self, protocol: ServerProtocol, viewer: Viewer, connection: HttpConnection, asked: Subscribe
     ) -> Response | None:
         viewer.topic = asked.topic
         try:
-            viewer.topic = self._router.view(viewer.session, asked)
+            viewer.topic = self.core.view(viewer, asked)
         except (ProtocolError, RosError) as error:
             self.left(connection)
             return protocol.reject(_STATUS.get(error.code, 400), f"{error}\n")

@@ -18,8 +18,8 @@ from gateway.access.permissions import Policy
 from gateway.access.tokens import Tokens
 from gateway.codec import picture as picture_module
 from gateway.config.access import ViewerConfig
-from gateway.transport import picture_streams
-from gateway.transport.picture_requests import PictureRequestError, picture_request
+from gateway.fronts.pictures import front as pictures_front
+from gateway.fronts.pictures.requests import PictureRequestError, picture_request
 from gateway.transport.server import MAX_HANDSHAKES
 from tests.client import TIMEOUT_S, client, eventually
 from tests.sources.fake import FakePublisher
@@ -53,7 +53,7 @@ def decoded(jpeg: bytes) -> np.ndarray:
 
 
 def viewers(served: Served) -> int:
-    return len(served.server._pictures)
+    return len(served.pictures)
 
 
 def camera(served: Served, topic: str = CAMERA) -> FakePublisher:
@@ -180,6 +180,9 @@ async def test_a_stream_sends_picture_after_picture(serve: Serve):
 
 
 async def test_equal_viewers_and_subscribers_share_one_encoding(serve: Serve, encoded: list[Any]):
+    def is_image(frame: dict[str, Any]) -> bool:
+        return frame["op"] == "publish"
+
     path = f"/stream?topic={CAMERA}&width=16"
     async with (
         serve() as served,
@@ -189,6 +192,8 @@ async def test_equal_viewers_and_subscribers_share_one_encoding(serve: Serve, en
         assert (await none.begin()).startswith(b"HTTP/1.1 404")  # before there is a camera
         publisher = camera(served)
         await subscriber.send(op="subscribe", topic=CAMERA, image={"max_width": 16})
+        # by another name, and so in other frames
+        await subscriber.send(op="subscribe", topic=CAMERA[1:], image={"max_width": 16})
         await subscriber.sync()
         async with view(served, path) as one, view(served, path[:-2] + "16&t=1") as other:
             await eventually(lambda: viewers(served) == 2)
@@ -196,7 +201,9 @@ async def test_equal_viewers_and_subscribers_share_one_encoding(serve: Serve, en
                 publisher.publish(grey(served))
                 await one.picture()
                 await other.picture()
-                assert (await subscriber.message(CAMERA))["width"] == 16
+                frames = [await subscriber.receive(is_image) for _ in range(2)]
+                assert {frame["topic"] for frame in frames} == {CAMERA, CAMERA[1:]}
+                assert {frame["msg"]["width"] for frame in frames} == {16}
                 assert len(encoded) == number
             assert served.server.health()["subscriptions"] == 1
 
@@ -233,7 +240,7 @@ async def test_a_slow_reader_gets_the_newest_and_nothing_queues(serve: Serve):
             for _ in range(50):
                 publisher.publish(old)
             publisher.publish(noise(served, 200))
-            assert connection._viewer.session.outbox.size <= 2 * len(old)
+            assert connection._viewer.outbox.size <= 2 * len(old)
             shown = 0
             while (await viewer.picture()).mean() < 150:
                 shown += 1
@@ -258,7 +265,8 @@ async def test_a_viewer_that_takes_nothing_is_cut_off(serve: Serve):
         assert summary.handshakes_refused == {}
 
 
-async def test_16_look_at_pictures_at_once_and_one_that_leaves_makes_room(serve: Serve):
+async def test_at_most_so_many_look_and_one_that_leaves_makes_room(serve, monkeypatch):
+    monkeypatch.setattr(pictures_front, "MAX_VIEWERS", 2)
     path = f"/stream?topic={CAMERA}"
     async with serve() as served, contextlib.AsyncExitStack() as others:
         camera(served)
@@ -331,7 +339,7 @@ async def test_refusals_say_what_to_do(serve: Serve, path, status, text):
 
 
 async def test_a_snapshot_without_a_picture_says_so_and_a_stream_waits_on(serve, monkeypatch):
-    monkeypatch.setattr(picture_streams, "WAIT_S", 0.1)
+    monkeypatch.setattr(pictures_front, "WAIT_S", 0.1)
     async with serve() as served:
         publisher = camera(served)
         status, text = await answer(served, f"/snapshot?topic={CAMERA}")
@@ -365,7 +373,7 @@ async def test_a_bug_ends_one_viewer_alone(serve: Serve, monkeypatch: pytest.Mon
         publisher = camera(served)
         async with view(served, f"/stream?topic={CAMERA}") as viewer:
             await eventually(lambda: viewers(served) == 1)
-            monkeypatch.setattr(picture_streams, "payload", None)
+            monkeypatch.setattr(pictures_front, "JPEG_START", None)
             publisher.publish(grey(served))
             assert await viewer.rest() == b""
         await eventually(lambda: viewers(served) == 0)
@@ -514,7 +522,7 @@ async def test_a_first_picture_is_waited_for_5_s(serve: Serve):
         camera(served)
         async with view(served, f"/snapshot?topic={CAMERA}"):
             await eventually(lambda: viewers(served) == 1)
-            (asked,) = served.server._pictures._viewers.values()
+            (asked,) = served.pictures._viewers.values()
             refused: list[tuple[int, str]] = []
             asked._refuse = lambda status, text: refused.append((status, text))
             for seconds in (4.9, 5.1):

@@ -13,6 +13,7 @@ from urllib.parse import parse_qs, urlsplit
 
 from gateway.codec.error_text import hint, truncate
 from gateway.core.requests import MIN_RATE_HZ, ImageRequest, Subscribe
+from gateway.fronts.pictures.framing import PictureFraming
 
 SNAPSHOT: Final = "/snapshot"
 STREAM: Final = "/stream"
@@ -99,7 +100,7 @@ def picture_request(target: str) -> Subscribe:
     given = {name: value for name, value in image.items() if value}  # 0 means no limit
     adapts = "quality" not in given
     options = ImageRequest(format="jpeg", asks_for_picture=True, adapts=adapts, **given)
-    return Subscribe(topic=topic, queue_length=1, image=options)
+    return Subscribe(topic=topic, framing=PictureFraming(), queue_length=1, image=options)
 
 
 def viewer_page(target: str, topic: str) -> bytes:
