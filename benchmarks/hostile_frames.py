@@ -12,8 +12,8 @@ from typing import Any, Final
 
 from gateway.codec import cbor
 from gateway.codec.cbor_reader import MAX_SINGLE_ITEMS
-from gateway.codec.cdr.bounds import MAX_FIELDS, count_fields
 from gateway.codec.cdr.layout import flatten
+from gateway.codec.cdr.misfits import MAX_FIELDS, count_fields
 from gateway.codec.json import LARGE_TEXT_BYTES, MAX_TOKENS
 from gateway.codec.json_bounds import (
     BACKSLASH_COST,

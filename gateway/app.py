@@ -41,10 +41,10 @@ from gateway.sources.rclpy.configured import open_source as open_rclpy
 from gateway.sources.source import Diagnosis, LogLevel, Source
 from gateway.start import Start
 from gateway.transport.admission import Admission
-from gateway.transport.discovery_packets import MAX_PATH, FoundGateway
 from gateway.transport.front import Front, Fronts
-from gateway.transport.lan_discovery import answering_questions
-from gateway.transport.server import ListenPort, Server
+from gateway.transport.lan_discovery import MAX_PATH, FoundGateway, answering_questions
+from gateway.transport.listening import ListenPort
+from gateway.transport.server import Server
 from gateway.transport.static_files import PAGES, StaticFiles
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table

@@ -10,7 +10,6 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any, Final
 
 # Of one address and kind: a classroom of headsets connects without a line being left out.
@@ -23,22 +22,6 @@ MAX_BUCKETS: Final = 1024  # 0.5 MB in all. Further addresses share the limit of
 MAX_KEPT_CHARACTERS: Final = 500  # of a line that is left out, until its number is reported
 
 
-@dataclass(frozen=True, slots=True)
-class _Kept:
-    """The first line that was left out. It is written later, with the number of the others."""
-
-    name: str
-    level: int
-    message: str
-    extra: dict[str, Any]
-
-    def record(self, left_out: int) -> logging.LogRecord:
-        record = logging.LogRecord(self.name, self.level, "", 0, self.message, None, None)
-        record.__dict__.update(self.extra)
-        record.left_out = left_out
-        return record
-
-
 class _Bucket:
     """The number of lines that may be written now. It grows by one every *every_s*."""
 
@@ -48,7 +31,8 @@ class _Bucket:
         self._tokens = float(burst)
         self._last_s = now_s
         self.left_out = 0
-        self.kept: _Kept | None = None
+        # the first line that was left out, which is written later: its name, level, text and fields
+        self.kept: tuple[str, int, str, dict[str, Any]] | None = None
 
     def _fill(self, now_s: float) -> float:
         earned = (now_s - self._last_s) / self._every_s
@@ -77,15 +61,17 @@ class _Bucket:
         if self.kept is None:
             extra = {name: getattr(record, name) for name in fields if hasattr(record, name)}
             message = record.getMessage()[:MAX_KEPT_CHARACTERS]
-            self.kept = _Kept(record.name, record.levelno, message, extra)
+            self.kept = (record.name, record.levelno, message, extra)
 
     def late(self) -> logging.LogRecord | None:
         """Take the line that was kept, and the number of the others, or ``None``."""
-        kept = self.kept
-        if kept is None:
+        if self.kept is None:
             return None
+        name, level, message, extra = self.kept
         self.take()
-        return kept.record(self.take_left_out() - 1)
+        record = logging.LogRecord(name, level, "", 0, message, None, None)
+        record.__dict__.update(extra, left_out=self.take_left_out() - 1)
+        return record
 
 
 class LogRate(logging.Filter):

@@ -11,7 +11,8 @@ from gateway.core.router import Router
 from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.sources.rclpy import open_ros
 from gateway.transport.front import Fronts
-from gateway.transport.server import ListenPort, Server
+from gateway.transport.listening import ListenPort
+from gateway.transport.server import Server
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 

@@ -16,7 +16,7 @@ from typing import Final
 from benchmarks.figures import Figure
 from benchmarks.hostile_frames import Bomb, HostileFrame, bombs, plain_frames
 from benchmarks.plan import Plan
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.json import loads
 from gateway.codec.types import Types
 from gateway.config.limits import Limits

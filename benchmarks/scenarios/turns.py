@@ -31,7 +31,8 @@ from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.memory import keep_large_blocks
 from gateway.sources.rclpy import RosOptions, open_ros
 from gateway.transport.front import Fronts
-from gateway.transport.server import ListenPort, Server
+from gateway.transport.listening import ListenPort
+from gateway.transport.server import Server
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from schemas.table import Table
 

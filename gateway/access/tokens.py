@@ -17,6 +17,7 @@ from typing import Annotated, Final, Literal
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from gateway.config.access import Role
+from gateway.errors import UsageError
 
 PREFIX: Final = "r2g_"  # so that people, and scanners of logs and repositories, recognise one
 _RANDOM_BYTES: Final = 32
@@ -25,8 +26,8 @@ MAX_TOKENS: Final = 1000  # each is compared: 0.3 ms in all
 NAME_PATTERN: Final = r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}"
 
 
-class TokenFileError(Exception):
-    """Raised when a file is not a token file. The text says what is wrong."""
+class TokenFileError(UsageError):
+    """Raised when a token file, or a change of it, is impossible. The text says what is wrong."""
 
 
 class Token(BaseModel):

@@ -169,26 +169,20 @@ def _write_pair(
     They begin under other names, because a key that does not fit the certificate is useless.
     """
     new = {
-        _new(key_path): (key_path, key, 0o600),
-        _new(cert_path): (cert_path, certificate, 0o644),
+        path.with_name(f".{path.name}.new"): (path, data, mode)
+        for path, data, mode in ((key_path, key, 0o600), (cert_path, certificate, 0o644))
     }
     try:
-        for path, (_, data, mode) in new.items():
+        for path, (final, data, mode) in new.items():
             path.unlink(missing_ok=True)  # of a process that died here
             _write(path, data, mode)
-        if not replace:
-            for path, _, _ in new.values():
-                if path.exists():
-                    raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
+            if final.exists() and not replace:
+                raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(final))
         for path, (final, _, _) in new.items():
             path.replace(final)
     finally:
         for path in new:
             path.unlink(missing_ok=True)
-
-
-def _new(path: Path) -> Path:
-    return path.with_name(f".{path.name}.new")
 
 
 def _write(path: Path, data: bytes, mode: int) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from gateway.errors import GatewayError
-from gateway.transport.discovery_packets import MAX_BYTES, PORT, FoundGateway, found, question
+from gateway.transport.lan_discovery import MAX_BYTES, PORT, FoundGateway, found, question
 
 # All gateways of this machine hear the second, also without a network.
 BROADCASTS: Final = ("255.255.255.255", "127.255.255.255")

@@ -2,25 +2,25 @@
 """``ros2-gateway generate``: from arguments to texts in a language, and to files."""
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Final
 
-from gateway.cli.local_definitions import local_definitions
-from gateway.cli.output_files import made_files, write_files
 from gateway.cli.remote_connection import DEFAULT_TIMEOUT_S, Gateway
 from gateway.cli.remote_types import remote_types
-from gateway.cli.type_names import TypeNames, is_pattern, matching
+from gateway.cli.type_names import TypeNames, is_pattern, local_definitions, matching
 from gateway.config.settings import TOKEN_VARIABLE
-from gateway.errors import UsageError
+from gateway.errors import GatewayError, UsageError, system_reason
 from schemas.definition import DefinitionError
 from schemas.generate.catalogue import Catalogue
 from schemas.generate.languages import LANGUAGES
 from schemas.generate.request import MARK, ClientCodeError, GenerateRequest
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 
+_HEAD_BYTES: Final = 512  # the mark of generated files is in their first lines
 _WHERE_ELSE: Final = """\
 install its package, name a folder with its definition by --types-path, or a running gateway \
 by --from"""
@@ -168,3 +168,64 @@ def _notes_of_old(folder: Path, texts: Mapping[str, str]) -> Iterator[str]:
             f"{', '.join(old)} in {folder} {'is' if len(old) == 1 else 'are'} of an earlier run: "
             "name all types at once and --asmdef, or delete what is no longer wanted"
         )
+
+
+def write_files(
+    folder: Path,
+    texts: Mapping[str, str],
+    mark: str,
+    *,
+    replace: bool = False,
+    optional: Collection[str] = (),
+) -> list[Path]:
+    """Write texts by their paths below a folder, and return the paths of the files that changed.
+
+    A file without *mark* in its first lines is foreign. If there is one, nothing is written, unless
+    *replace* is set. A foreign file whose name fits one of the patterns *optional* stays as it is.
+
+    Raises:
+        UsageError: files would be overwritten, or something else is in their place.
+        GatewayError: a file cannot be read or written.
+    """
+    wanted = {folder / path: text.encode() for path, text in texts.items()}
+    try:
+        foreign = [path for path in wanted if _is_foreign(path, mark) and not replace]
+        kept = {p for p in foreign if any(fnmatch(p.name, pattern) for pattern in optional)}
+        if refused := [path for path in foreign if path not in kept]:
+            more = f" and {len(refused) - 1} more" if len(refused) > 1 else ""
+            raise UsageError(
+                f"{refused[0]}{more} would be overwritten, and this command has not made it: "
+                "choose another --output, or add --force"
+            )
+        changed = [
+            path
+            for path, content in wanted.items()
+            if path not in kept and not (path.is_file() and path.read_bytes() == content)
+        ]
+        for path in changed:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(wanted[path])
+    except OSError as error:
+        raise GatewayError(f"cannot write {error.filename}, {system_reason(error)}") from error
+    return changed
+
+
+def made_files(folder: Path, pattern: str, mark: str) -> list[Path]:
+    """Return the files of a folder that have *mark*, and none if the folder is missing.
+
+    Raises:
+        GatewayError: a file cannot be read.
+    """
+    try:
+        return [p for p in sorted(folder.glob(pattern)) if p.is_file() and not _is_foreign(p, mark)]
+    except OSError as error:
+        raise GatewayError(f"cannot read {error.filename}, {system_reason(error)}") from error
+
+
+def _is_foreign(path: Path, mark: str) -> bool:
+    if not path.exists():
+        return False
+    if not path.is_file():  # a pipe would be waited for, a folder cannot be replaced either
+        raise UsageError(f"{path} is not a file: choose another --output")
+    with path.open("rb") as file:
+        return mark.encode() not in file.read(_HEAD_BYTES)

@@ -7,6 +7,7 @@ import sys
 import threading
 from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
+from itertools import pairwise
 from typing import TYPE_CHECKING, Final, Literal, TextIO
 
 from gateway.log_fields import fields_of, message_of, text_of
@@ -26,14 +27,13 @@ _VARIABLE: Final = "ROS2_GATEWAY_LOG__FORMAT"
 def wanted_format(arguments: Sequence[str], environment: Mapping[str, str]) -> LogFormat:
     """Return the format that arguments or environment name, as far as can be told unparsed."""
     found = environment.get(_VARIABLE, "")
-    before = ""
-    for argument in arguments:
-        if before == _FLAG:
-            found = argument
-        for prefix in (f"{_FLAG}=", f"--set={_KEY}=", *([f"{_KEY}="] * (before == "--set"))):
-            if argument.startswith(prefix):
-                found = argument.removeprefix(prefix)
-        before = argument
+    for name, value in pairwise(["", *arguments]):
+        if name == _FLAG:
+            found = value
+        assignment = f"--set={value}" if name == "--set" else value
+        for prefix in (f"{_FLAG}=", f"--set={_KEY}="):
+            if assignment.startswith(prefix):
+                found = assignment.removeprefix(prefix)
     return "json" if found == "json" else "text"
 
 

@@ -52,7 +52,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         if _interrupted.is_set() and not isinstance(error, RobotDiedError):
             return EXIT_OK
         if arguments.log_format is None:  # the configuration is not read
-            arguments.log_format = _wanted_format(sys.argv[1:] if argv is None else argv)
+            from gateway.cli.logs import wanted_format
+
+            given = sys.argv[1:] if argv is None else argv
+            serves = given[:1] in (["serve"], ["demo"])  # the others have no log
+            arguments.log_format = wanted_format(given, os.environ) if serves else "text"
         return report(error, arguments)
     return code
 
@@ -60,13 +64,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _interrupt(*_: object) -> NoReturn:
     _interrupted.set()
     raise KeyboardInterrupt
-
-
-def _wanted_format(argv: Sequence[str]) -> str:
-    from gateway.cli.logs import wanted_format
-
-    serves = argv[:1] in (["serve"], ["demo"])  # the others have no log
-    return wanted_format(argv, os.environ) if serves else "text"
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -127,8 +124,7 @@ def _mock(arguments: argparse.Namespace) -> int:
 
 
 def _schema(arguments: argparse.Namespace) -> int:
-    from gateway.cli.local_definitions import local_definitions
-    from gateway.cli.type_names import TypeNames
+    from gateway.cli.type_names import TypeNames, local_definitions
     from schemas.definition import DefinitionError
     from schemas.installed import UnknownTypeError
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, TextIO
 
 from gateway.access import token_file
-from gateway.access.tokens import TokenFileError, is_name, make_token
+from gateway.access.tokens import is_name, make_token
 from gateway.access_files import now_text
 from gateway.config.access import Role
 from gateway.errors import UsageError
@@ -32,10 +32,7 @@ def create(path: Path, name: str, role: Role) -> str:
             f"got name {name!r}, expected letters, digits and . _ -, at most 64, no sign first"
         )
     text, token = make_token(name, role, now_text())
-    try:
-        token_file.change(path, lambda tokens: tokens.added(token))
-    except TokenFileError as error:
-        raise UsageError(str(error)) from error
+    token_file.change(path, lambda tokens: tokens.added(token))
     return text
 
 
@@ -45,10 +42,7 @@ def revoke(path: Path, name: str) -> None:
     Raises:
         UsageError: no token has that name, or the file is unusable.
     """
-    try:
-        token_file.change(path, lambda tokens: tokens.without(name))
-    except TokenFileError as error:
-        raise UsageError(str(error)) from error
+    token_file.change(path, lambda tokens: tokens.without(name))
 
 
 def listed(path: Path) -> Iterator[str]:
@@ -57,10 +51,7 @@ def listed(path: Path) -> Iterator[str]:
     Raises:
         UsageError: the file is unusable.
     """
-    try:
-        tokens = token_file.read(path)
-    except TokenFileError as error:
-        raise UsageError(str(error)) from error
+    tokens = token_file.read(path)
     width = max((len(token.name) for token in tokens.known), default=0)
     for token in tokens.known:
         yield f"{token.name:{width}}  {token.role:8}  {token.created}"

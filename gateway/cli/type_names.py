@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The types that commands take as arguments, and the words about those that are unknown."""
 
+import argparse
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from typing import Final
 
+from gateway.config.settings import load
+from gateway.definitions import known_definitions
 from gateway.errors import UsageError
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table, TypeNameError, resolve_any
@@ -13,6 +16,20 @@ from schemas.table import Table, TypeNameError, resolve_any
 _PATTERN: Final = re.compile(
     r"(?:(?P<package>[a-z][a-z0-9_]*)/)?(?:(?P<kind>msg|srv|action)/)?\*", re.ASCII
 )
+
+
+def local_definitions(
+    arguments: argparse.Namespace, environment: Mapping[str, str]
+) -> InstalledDefinitions:
+    """Return those of installed packages and of the folders that options or a file name.
+
+    Raises:
+        ConfigError: a folder, or the configuration that names it, is wrong.
+    """
+    configured = load(environment=environment, file=arguments.config).config.types.paths
+    sources = {"--types-path": arguments.types_path, "types.paths": configured}
+    named = " or ".join(source for source, paths in sources.items() if paths)
+    return known_definitions([*arguments.types_path, *configured], named)
 
 
 class TypeNames:

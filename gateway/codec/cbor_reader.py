@@ -15,7 +15,7 @@ import numpy as np
 from typing_extensions import Never
 
 from gateway.codec.cbor import MAP, OCTETS, TYPED_ARRAYS
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.json import MAX_DEPTH
 from gateway.codec.json_bounds import MAX_COST, MAX_ITEMS, WIDE_COST
 from schemas.json_forms import NumberArray

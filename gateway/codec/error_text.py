@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Error texts for values that clients sent."""
+"""The exceptions of the codecs, and error texts for values that clients sent."""
 
 import difflib
 import json
@@ -22,6 +22,22 @@ EXPECTED: Final = {
     "string_type": "a string",
     "tuple_type": "an array",
 }
+
+
+class CodecError(ValueError):
+    """Bytes or a value do not fit the type. ``offset`` is the position in the bytes, if known."""
+
+    def __init__(self, reason: str, *, offset: int | None = None) -> None:
+        super().__init__(reason)
+        self.offset = offset
+
+
+class FieldError(CodecError):
+    """A path names no field of a message type. The text lists the fields."""
+
+
+class JsonError(CodecError):
+    """A client sent something else than the JSON it may send. The text says where and why."""
 
 
 def kind(value: object) -> str:

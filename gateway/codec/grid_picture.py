@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 
 from gateway.codec.cdr import Cdr
-from gateway.codec.cdr.bounds import MAX_CDR_BYTES
+from gateway.codec.cdr.misfits import MAX_CDR_BYTES
 from gateway.codec.compressed_images import decompress
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.picture_message import PictureMessage
 from gateway.codec.types import MessageType
 

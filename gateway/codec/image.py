@@ -98,7 +98,10 @@ def compress(image: RawImage, options: ImageOptions) -> Picture:
         pixels = as_colours(pixels, image, layout, has_8_bits=picture_format.has_8_bits)
     width, height = size = _fitted(image, options)
     if size != (image.width, image.height):
-        pixels = _reduced(pixels, size) if layout.metres is None else _sampled(pixels, size)
+        if layout.metres is None:
+            pixels = _reduced(pixels, size)
+        else:  # by picking pixels
+            pixels = cv2.resize(pixels, size, interpolation=cv2.INTER_NEAREST)
     data = _encoded(pixels, picture_format, options.quality)
     return Picture(data, width, height, picture_format.name, depth_range_m)
 
@@ -164,11 +167,6 @@ def _reduced(pixels: MatLike, size: tuple[int, int]) -> MatLike:
         return pixels
     is_near = width < 2 * size[0] and height < 2 * size[1]
     return cv2.resize(pixels, size, interpolation=cv2.INTER_LINEAR if is_near else cv2.INTER_AREA)
-
-
-def _sampled(depth: MatLike, size: tuple[int, int]) -> MatLike:
-    """Scale down by picking pixels."""
-    return cv2.resize(depth, size, interpolation=cv2.INTER_NEAREST)
 
 
 def _encoded(pixels: MatLike, picture_format: PictureFormat, quality: int) -> bytes:

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 from cv2.typing import MatLike
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 
 MAX_SIDE_PX: Final = 8192  # the largest sensors that stream. A wrong header states more
 MAX_PIXELS: Final = 7680 * 4320  # 8K UHD

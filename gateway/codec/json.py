@@ -5,6 +5,7 @@ Input goes through orjson, strict and fast, and then through a check that nothin
 that two readers of one frame never see two different messages.
 """
 
+import codecs
 import json
 import re
 from collections.abc import Callable, Generator, Iterable
@@ -14,12 +15,10 @@ from typing import Any, Final, TypeVar
 import orjson
 import pybase64
 
-from gateway.codec.error_text import MAX_ECHO
-from gateway.codec.errors import JsonError
+from gateway.codec.error_text import MAX_ECHO, JsonError
 from gateway.codec.json_arrays import read_arrays, with_arrays, without_arrays
 from gateway.codec.json_bounds import MAX_CONTAINERS, MAX_ITEMS, Outline, count_names, outline
 from gateway.codec.json_tokens import in_original, is_at_token, with_numbers, without_tokens
-from gateway.codec.utf8 import invalid_at
 from schemas.json_forms import NumberArray
 
 # Deeper than any ROS type nests, and far from the recursion limits of the code that follows.
@@ -30,6 +29,8 @@ LARGE_TEXT_BYTES: Final = 256 * 1024
 
 # NaN, Infinity and, in a text with these, strings: 10 ms to put numbers in their places.
 MAX_TOKENS: Final = 20_000
+
+_PIECE_BYTES: Final = 64 * 1024  # decoded at once: the rest needs no memory
 
 _CONTAINERS: Final = frozenset({dict, list})
 
@@ -231,3 +232,18 @@ def _without_duplicates(pairs: list[tuple[str, object]]) -> None:
         if name in seen:
             raise JsonError(f"duplicate key {json.dumps(name[:MAX_ECHO], ensure_ascii=False)}")
         seen.add(name)
+
+
+def invalid_at(data: bytes) -> int | None:
+    """Return the offset of the first octet that is not UTF-8 (RFC 3629), or ``None``."""
+    if data.isascii():
+        return None
+    decoder = codecs.getincrementaldecoder("utf-8")()
+    for start in range(0, len(data), _PIECE_BYTES):
+        held, _ = decoder.getstate()  # of a character that the piece before has begun
+        end = start + _PIECE_BYTES
+        try:
+            decoder.decode(data[start:end], final=end >= len(data))
+        except UnicodeDecodeError as error:
+            return start - len(held) + error.start
+    return None

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import orjson
 
-from gateway.codec.errors import JsonError
+from gateway.codec.error_text import JsonError
 from gateway.codec.json_tokens import is_at_token
 from schemas.json_forms import NumberArray
 

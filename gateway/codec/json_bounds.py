@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from gateway.codec.errors import JsonError
+from gateway.codec.error_text import JsonError
 
 # An image of 100 kB as an array of numbers. As Python objects about 6 MB.
 MAX_ITEMS: Final = 100_000

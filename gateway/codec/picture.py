@@ -6,7 +6,7 @@ from struct import pack
 from typing import Any, Final, cast
 
 from gateway.codec.cdr import Cdr
-from gateway.codec.cdr.bounds import MAX_CDR_BYTES
+from gateway.codec.cdr.misfits import MAX_CDR_BYTES
 from gateway.codec.compressed_images import decompress
 from gateway.codec.image import ImageOptions, compress
 from gateway.codec.image_encodings import RawImage

@@ -20,11 +20,9 @@ from gateway.codec.cdr import (
     compile_sliced_transcoder,
     compile_transcoder,
 )
-from gateway.codec.cdr.bounds import TooManyFieldsError
-from gateway.codec.cdr.misfits import MISFITS
-from gateway.codec.cdr.selection import select
-from gateway.codec.error_text import truncate
-from gateway.codec.errors import CodecError
+from gateway.codec.cdr.layout import select
+from gateway.codec.cdr.misfits import MISFITS, TooManyFieldsError
+from gateway.codec.error_text import CodecError, truncate
 from gateway.codec.validation import InvalidValueError, explain_misfit
 from schemas.build import json_schema
 from schemas.definition import PRIMITIVES, STRINGS, Definition, DefinitionError, FieldType

@@ -12,9 +12,8 @@ from typing import Any, Final
 from gateway.codec.cdr.arrays import Array, first_misfit
 from gateway.codec.cdr.encoder import Encoder
 from gateway.codec.cdr.misfits import MISFITS
-from gateway.codec.error_text import did_you_mean, truncate
+from gateway.codec.error_text import CodecError, did_you_mean, truncate
 from gateway.codec.error_text import kind as kind_of
-from gateway.codec.errors import CodecError
 from schemas.definition import (
     FLOAT32_OVERFLOW,
     FLOATS,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Calls of ROS services with values: validated, encoded, timed, decoded."""
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.types import MessageType, ServiceType
 from gateway.core.deadline import Deadline
 from gateway.core.errors import ProtocolError

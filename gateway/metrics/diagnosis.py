@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The state of the gateway in words, for ROS tools."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -79,9 +79,7 @@ def _delivery(now: Summary, before: Summary | None) -> ComponentStatus:
     dropping = list(_dropping(now, before))
     text = "no queue overflows"
     if dropping:
-        named = ", ".join(dropping[:MAX_NAMED])
-        more = f" and {len(dropping) - MAX_NAMED} more" if len(dropping) > MAX_NAMED else ""
-        text = f"too slow for what they subscribe to: {named}{more}"
+        text = f"too slow for what they subscribe to: {_some(dropping)}"
     values = {
         "clients that lose messages": len(dropping),
         "frames sent": now.totals.frames,
@@ -99,6 +97,11 @@ def _dropping(now: Summary, before: Summary | None) -> Iterator[str]:
                 yield client.client
 
 
+def _some(names: Sequence[str]) -> str:
+    more = f" and {len(names) - MAX_NAMED} more" if len(names) > MAX_NAMED else ""
+    return ", ".join(names[:MAX_NAMED]) + more
+
+
 def _ros_entities(now: Summary) -> ComponentStatus:
     count, limit = now.entities["ros_entities"], now.max_ros_entities
     level: Level = ERROR if count >= limit else WARN if count >= CROWDED * limit else OK
@@ -110,8 +113,7 @@ def _ros_graph(now: Summary) -> ComponentStatus:
     shared = now.shared_names
     text = "each node has a unique name"
     if shared:
-        more = f" and {len(shared) - MAX_NAMED} more" if len(shared) > MAX_NAMED else ""
-        text = f"several nodes are named {', '.join(shared[:MAX_NAMED])}{more}"
+        text = f"several nodes are named {_some(shared)}"
     return ComponentStatus("ROS graph", WARN if shared else OK, text, {"shared names": len(shared)})
 
 

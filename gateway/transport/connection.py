@@ -9,9 +9,9 @@ here in batches, as far as the socket accepts them. The rest waits, and can be d
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Final, cast
+from typing import TYPE_CHECKING, Final, cast
 
 from websockets.exceptions import InvalidMessage, PayloadTooBig
 from websockets.frames import Frame, Opcode
@@ -32,55 +32,49 @@ from gateway.transport.end import (
     ConnectionEnd,
     EndCause,
     answered,
-    answered_with,
     closed_by_gateway,
     ended_elsewhere,
 )
-from gateway.transport.frame_reader import DATA
+from gateway.transport.frame_reader import DATA, MessageAssembly
 from gateway.transport.front import ClientSession, Front, HttpSession
 from gateway.transport.http import new_protocol
 from gateway.transport.inbound import READ_CHUNK_BYTES, Inbound
 from gateway.transport.inbound_text import expect_text, receive_message
 from gateway.transport.keep_alive import Close, KeepAlive, SendPing
-from gateway.transport.message_assembly import MessageAssembly
 from gateway.transport.pacing import Pacing
 from gateway.transport.protocol_output import ProtocolOutput
-from gateway.transport.server_interface import ServerInterface
-from gateway.transport.socket_options import tune
+from gateway.transport.tcp_info import tune
+from gateway.transport.writing import WritingConnection
+
+if TYPE_CHECKING:  # it imports this
+    from gateway.transport.server import Server
 
 logger = logging.getLogger(__name__)
 
 WRITE_HIGH_WATER_BYTES: Final = 64 * 1024  # beyond this, frames wait where they can be dropped
 
 
-class Connection(asyncio.BufferedProtocol):
+class Connection(WritingConnection):
     """A client from TCP accept to the end. Everything runs on the event loop's thread."""
 
-    def __init__(self, server: ServerInterface) -> None:
+    def __init__(self, server: "Server") -> None:
+        limits = server.limits
+        super().__init__(
+            new_protocol(limits.max_message_bytes, server.fronts.choose), next(server.numbers)
+        )
         self._server = server
-        self._limits = server.limits
-        self._protocol = new_protocol(self._limits.max_message_bytes, server.fronts.choose)
+        self._limits = limits
         self._buffer = bytearray(READ_CHUNK_BYTES)
-        self._transport: asyncio.Transport
         self._inbound: Inbound
-        self._pacing: Pacing
-        self._output: ProtocolOutput
         self._front: Front
-        self._session: ClientSession | None = None
-        self._viewer: HttpSession | None = None  # of pictures, by plain HTTP
         self._assembly = MessageAssembly()
         self._flushing = False
         now_ns = time.monotonic_ns()
         self._frames = TokenBucket(self._limits.frames_per_s, self._limits.frame_burst, now_ns)
         self._opened_s = now_ns / 1e9
         self.keep_alive = KeepAlive(self._limits, self._opened_s)
-        self._closing_s: float | None = None
-        self._cause: EndCause | None = None  # it ends
         self._start = b""  # of the HTTP request
-        self._gets_page = False  # of those that are written later
         self._bytes_in = 0
-        self._number = next(server.numbers)
-        self.address = "?"
 
     # Called by asyncio
 
@@ -143,38 +137,6 @@ class Connection(asyncio.BufferedProtocol):
 
     # Called by the server
 
-    @property
-    def session(self) -> ClientSession | None:
-        """The session, while the WebSocket is open."""
-        return self._session
-
-    @property
-    def name(self) -> str:
-        """The address and number of the client, for the log."""
-        return f"{self.address}#{self._number}"
-
-    @property
-    def is_paused(self) -> bool:
-        """True while the socket or the link is full."""
-        return self._pacing.is_paused
-
-    @property
-    def is_half_open(self) -> bool:
-        """True until the peer has sent its request."""
-        return self._protocol.state is CONNECTING and not (self._viewer or self.is_leaving)
-
-    @property
-    def is_leaving(self) -> bool:
-        """True of a connection that is not a client, and will not become one."""
-        is_closing = self._closing_s is not None or self._protocol.close_expected()
-        return self._session is None and is_closing
-
-    @property
-    def awaits_page(self) -> bool:
-        """True until it has accepted the page that it gets later."""
-        has_taken = self._protocol.eof_sent and not self._transport.get_write_buffer_size()
-        return self._gets_page and not has_taken
-
     def flush(self) -> None:
         """Send from the outbox, as far as the socket accepts it."""
         if self._flushing or self.is_paused or self._session is None:
@@ -192,53 +154,6 @@ class Connection(asyncio.BufferedProtocol):
             self.fail(bug)
         finally:
             self._flushing = False
-
-    def close(self, code: int, reason: str) -> None:
-        """Begin the closing handshake. `tick` ends it by force if the peer does not answer."""
-        if self._closing_s is None:
-            self._closing_s = time.monotonic()
-        if self._protocol.state is OPEN:
-            self._cause = self._cause or closed_by_gateway(code, reason)
-            self._protocol.send_close(code, reason)
-            self._write_protocol_output()
-        elif self._protocol.state is CONNECTING:
-            self._cause = self._cause or replace(closed_by_gateway(code, reason), code=None)
-            self._transport.close()
-
-    def reject(self, close_code: int, reason: str, text: bytes | None) -> None:
-        """Close a client without a session. If there is a *text*, send that first."""
-        # .NET's WebSocket shows its program no close code of 1012 to 1014, and no reason
-        if text is not None:
-            self._protocol.send_text(text)
-        self.close(close_code, reason)
-
-    def answer(self, response: Response) -> None:
-        """Send the response to the HTTP request, unless the peer is gone."""
-        if self._transport.is_closing() or self._protocol.eof_sent:
-            return
-        self._cause = answered_with(response)
-        self._protocol.send_response(response)
-        self._write_protocol_output(may_be_large=True)
-
-    def show(self, viewer: HttpSession) -> None:
-        """Let a viewer answer the HTTP request, now or part by part."""
-        self._viewer = viewer
-
-    def write(self, data: bytes) -> None:
-        """Send a part of the response to the HTTP request, unless the peer is gone."""
-        if not self._transport.is_closing():
-            self._transport.write(data)
-            self._pacing.wrote(len(data))
-
-    def limit_messages(self, max_bytes: int) -> None:
-        """Accept messages of at most so many bytes from now on."""
-        self._protocol.max_message_size = max_bytes
-
-    def abort(self, cause: EndCause | None = None) -> None:
-        """Cut the connection. Give a cause unless it is ending already."""
-        self._cause = self._cause or cause
-        self._closing_s = self._closing_s or time.monotonic()
-        self._transport.abort()
 
     def tick(self, now_s: float) -> None:
         """End a client after its timeouts, and send pings. Called every `TICK_S` of the server."""
@@ -388,15 +303,6 @@ class Connection(asyncio.BufferedProtocol):
         session = self._viewer or self._session
         if session is not None:
             session.outbox.drains(bytes_per_s)
-
-    def _write_protocol_output(self, *, may_be_large: bool = False) -> None:
-        self._write_output(self._protocol.data_to_send(), may_be_large=may_be_large)
-
-    def _write_output(self, output: Sequence[bytes], *, may_be_large: bool = False) -> None:
-        if self._session is not None and self._protocol.state is not OPEN:
-            self._session.outbox.disconnect()  # a close frame must be the last one
-        if self._output.write(output, may_be_large=may_be_large):
-            self.abort(EndCause("gateway", "abuse", "it sends pings and reads nothing"))
 
     # Time
 

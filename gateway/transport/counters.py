@@ -4,8 +4,11 @@
 from collections import Counter, deque
 from typing import Final
 
+from gateway.core.session import Session
 from gateway.metrics.histogram import Histogram
+from gateway.metrics.state import ClientCounts, ClientState
 from gateway.transport.end import ConnectionEnd
+from gateway.transport.time_budget import Spending
 
 RECENT: Final = 40  # lags, ten seconds of them: /diagnostics is read by people
 
@@ -63,3 +66,29 @@ class ServerCounters:
         if not was_client and cause.reason != "http":
             refusal = "none" if cause.by != "gateway" else _REFUSALS.get(code or 0, cause.reason)
             self.handshakes_refused[refusal] += 1
+
+
+def client_state(session: Session, spending: Spending, round_trip_s: float | None) -> ClientState:
+    """Return the state of a client that is connected."""
+    return ClientState(
+        client=session.client,
+        address=session.address,
+        counts=client_counts(session),
+        time_s=spending.spent_s,
+        pauses=spending.pauses,
+        latency=session.latency.observed(),
+        link_bytes_per_s=session.outbox.bytes_per_s,
+        round_trip_s=round_trip_s,
+    )
+
+
+def client_counts(session: Session) -> ClientCounts:
+    """Return the counts of a client."""
+    return ClientCounts(
+        operations=session.received,
+        refused=session.refused,
+        replaced=session.replaced,
+        frames=session.outbox.sent,
+        dropped_by_full_queue=session.outbox.dropped,
+        coalesced=session.outbox.coalesced,
+    )

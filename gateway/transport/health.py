@@ -11,6 +11,7 @@ from typing import Any, Final
 import orjson
 
 from gateway.faults import Fault, Severity
+from gateway.metrics.state import Summary
 
 PATH: Final = "/healthz"
 LIVE: Final = "/healthz/live"
@@ -69,3 +70,22 @@ class Health:
             body |= details()
         text = orjson.dumps(body, option=orjson.OPT_INDENT_2 | orjson.OPT_APPEND_NEWLINE)
         return _OK if is_good else _UNAVAILABLE, text.decode()
+
+
+def counts_of(found: Summary) -> dict[str, Any]:
+    """Return the counts of /healthz."""
+    totals = found.totals
+    return {
+        "version": found.version,
+        "uptime_s": round(found.uptime_s, 1),
+        **found.entities,
+        "tasks": found.tasks,
+        "operations_time_s": round(found.time_s, 3),
+        "reading_pauses": found.pauses,
+        "messages_in": totals.operations,
+        "refused": totals.refused,
+        "frames_out": totals.frames,
+        "dropped": totals.dropped_by_full_queue,
+        "coalesced": totals.coalesced,
+        "replaced": totals.replaced,
+    }

@@ -100,9 +100,7 @@ class HttpFront:
         """
         try:
             return self._respond(protocol, request, connection)
-        except CredentialsError as error:
-            return protocol.reject(400, f"{error}\n")
-        except UrlOptionError as error:
+        except (CredentialsError, UrlOptionError) as error:
             return protocol.reject(400, f"{error}\n")
         except (ValueError, LookupError):  # an invalid path or host, or a header twice
             return protocol.reject(

@@ -11,16 +11,18 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable
-from typing import Final, Protocol, TypeGuard
+from typing import TYPE_CHECKING, Final, TypeGuard
 
 from websockets.frames import Frame, Opcode
 from websockets.protocol import OPEN, Event
 from websockets.server import ServerProtocol
 
 from gateway.transport.frame_reader import FrameReader
-from gateway.transport.front import ClientSession
 from gateway.transport.tcp_info import is_ended
 from gateway.transport.time_budget import Spending
+
+if TYPE_CHECKING:  # it imports this
+    from gateway.transport.connection import Connection
 
 READ_CHUNK_BYTES: Final = 16 * 1024  # one greedy sender cannot occupy the loop for long
 # A control frame takes 4 us in a hot loop, and the smallest has 6 bytes: 2.7 ms for 4 KiB.
@@ -47,40 +49,17 @@ _LASTING: Final = (b"publish", b"advertise", b"fragment")
 _END_OF_HEAD: Final = b"\r\n\r\n"
 
 
-class InputHandler(Protocol):
-    """The connection that handles the input."""
-
-    @property
-    def session(self) -> ClientSession | None:
-        """The session of a client."""
-
-    def handle(self, event: Event | Callable[[], None]) -> None:
-        """Handle one request or frame, or go on with the work of an earlier one."""
-
-    def end_piece(self) -> None:
-        """Send what `websockets` answers by itself: all before it is handled."""
-
-    def end_turn(self) -> None:
-        """Note that others have their turn now."""
-
-    def fall_behind(self, *, is_behind: bool) -> None:
-        """Note that its budget is spent, or is no longer."""
-
-    def fail(self, bug: Exception) -> None:
-        """Close this client because of a fault of the gateway."""
-
-
 class Inbound:
     """The bytes of one read that are not parsed, and the events that are not handled."""
 
     def __init__(
         self,
-        handler: InputHandler,
+        connection: "Connection",
         protocol: ServerProtocol,
         transport: asyncio.Transport,
         spending: Spending,
     ) -> None:
-        self._handler = handler
+        self._connection = connection
         self._protocol = protocol
         self._reader = FrameReader(protocol)
         self._transport = transport
@@ -174,9 +153,9 @@ class Inbound:
         try:
             while self and time.monotonic() < end_s:
                 self._handle_until(end_s)
-            self._handler.end_turn()
+            self._connection.end_turn()
         except Exception as error:  # noqa: BLE001  # a bug of ours: the others are unharmed
-            self._handler.fail(error)
+            self._connection.fail(error)
         self.drop()
         self._is_closed = True
 
@@ -202,10 +181,10 @@ class Inbound:
                 # the rest of a large message does not wait, but the input behind it does
                 is_due_alone = self._is_turn_over and self._is_behind
                 self._handle_until(0.0 if is_due_alone else end_s)
-            self._handler.end_turn()
+            self._connection.end_turn()
         except Exception as error:  # noqa: BLE001  # a bug of ours: the others are unharmed
             self.drop()
-            self._handler.fail(error)
+            self._connection.fail(error)
         now_s = time.monotonic()
         cost_s, self._cost_s = self._cost_s, 0.0
         self._pay(now_s - start_s + cost_s, now_s)
@@ -216,7 +195,7 @@ class Inbound:
         may_go_on = self._spending.spend(spent_s, now_s) or self._may_drive()
         if may_go_on is self._is_behind:
             self._is_behind = not may_go_on
-            self._handler.fall_behind(is_behind=self._is_behind)
+            self._connection.fall_behind(is_behind=self._is_behind)
         if not (may_go_on or self._is_waiting or self._is_turn_over) and self._head is None:
             self._is_waiting = True
             self._spending.wait(self.go_on)
@@ -263,7 +242,7 @@ class Inbound:
             self._late_since_s = None
 
     def _drives(self) -> bool:
-        session = self._handler.session
+        session = self._connection.session
         return session is not None and session.drives()
 
     def _may_drive(self) -> bool:
@@ -276,7 +255,7 @@ class Inbound:
         return len(self._events) >= MAX_AHEAD or self._ahead_bytes >= MAX_AHEAD_BYTES
 
     def _can_look_ahead(self) -> bool:
-        return bool(self._unparsed) and self._handler.session is not None and not self._is_full()
+        return bool(self._unparsed) and self._connection.session is not None and not self._is_full()
 
     def _look_ahead(self, end_s: float) -> None:
         """Parse the input, and carry out each `stop` in it before anything else."""
@@ -284,7 +263,7 @@ class Inbound:
             self._parse()
             if time.monotonic() > end_s:
                 break
-        was_open = self._handler.session is not None
+        was_open = self._connection.session is not None
         if self._is_behind and was_open and self._protocol.state is not OPEN:
             self._leave()
 
@@ -297,18 +276,18 @@ class Inbound:
                 if self._events and (self._is_turn_over or time.monotonic() > end_s):
                     return
             self._ahead_bytes = 0
-            self._handler.end_piece()
+            self._connection.end_piece()
             if not self._unparsed or time.monotonic() > end_s:
                 return
             self._parse()
 
     def _handle(self, event: Event | Callable[[], None]) -> None:
         if not self._overtaken:
-            self._handler.handle(event)
+            self._connection.handle(event)
             return
-        if (session := self._handler.session) is not None:
+        if (session := self._connection.session) is not None:
             session.is_overtaken = True
-        self._handler.handle(event)  # may have some of it done in the next turn
+        self._connection.handle(event)  # may have some of it done in the next turn
         self._overtaken -= 1
         if session is not None:
             session.is_overtaken = False
@@ -317,11 +296,11 @@ class Inbound:
         """Parse the next piece. Carry out a `stop` in it, and keep what else there is."""
         piece = self._cut()
         self._ahead_bytes += len(piece)
-        session = self._handler.session
+        session = self._connection.session
         for event in self._reader.read(piece):
             if session is not None and _may_stop(event) and session.is_stop(bytes(event.data)):
                 self._overtaken = max(self._overtaken, len(self._events))
-                self._handler.handle(event)
+                self._connection.handle(event)
             elif self._left_s is None or _is_lasting(event):
                 self._events.append(event)
 

@@ -4,11 +4,11 @@
 from collections.abc import Callable
 
 from gateway.codec.cbor_reader import is_cbor
-from gateway.codec.utf8 import invalid_at
+from gateway.codec.json import invalid_at
 from gateway.core.errors import ProtocolError
 from gateway.transport.close_codes import INVALID_DATA
+from gateway.transport.frame_reader import MessageAssembly
 from gateway.transport.front import ClientSession
-from gateway.transport.message_assembly import MessageAssembly
 
 
 def receive_message(

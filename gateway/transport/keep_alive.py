@@ -15,7 +15,7 @@ from gateway.transport.end import EndCause
 from gateway.transport.link import Reading
 
 # Time for a hole in the radio. While nothing is on the way, the kernel asks and judges by itself:
-# see `gateway.transport.socket_options`.
+# see `gateway.transport.tcp_info`.
 DEAD_LINK_S: Final = 10.0
 # The time between two readings of the kernel, which take 3 us each.
 LOOK_S: Final = 1.0

@@ -3,11 +3,9 @@
 
 import asyncio
 import contextlib
-import errno
 import ipaddress
 import itertools
 import logging
-import ssl
 import time
 from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
@@ -21,10 +19,9 @@ from websockets.server import ServerProtocol
 from gateway.access.permissions import Identity, Policy
 from gateway.access.tokens import Tokens
 from gateway.access.web_rules import WebRules
-from gateway.backports import timeout, tls_timeouts
+from gateway.backports import timeout
 from gateway.config.limits import Limits
 from gateway.core.router import Router
-from gateway.errors import BindError
 from gateway.faults import Fault
 from gateway.metrics.page import CONTENT_TYPE
 from gateway.metrics.state import AddressState, ClientCounts, State, Summary
@@ -35,20 +32,19 @@ from gateway.transport.admission import (
     RoomFor,
     everybody,
 )
-from gateway.transport.client_state import client_counts, client_state
 from gateway.transport.close_codes import GOING_AWAY
 from gateway.transport.connection import Connection
-from gateway.transport.counters import ServerCounters
+from gateway.transport.counters import ServerCounters, client_counts, client_state
 from gateway.transport.end import ConnectionEnd, EndCause
 from gateway.transport.forwarded import client_address
 from gateway.transport.front import ClientSession, Front, Fronts
-from gateway.transport.health import FindFaults, Health, no_faults
+from gateway.transport.health import FindFaults, Health, counts_of, no_faults
 from gateway.transport.http import HttpFront, own_names, page, unauthenticated
 from gateway.transport.http_connection import AnswerLater, HttpConnection, PathFront
+from gateway.transport.listening import ListenPort, listen
 from gateway.transport.scrapes import Scrapes
 from gateway.transport.static_files import NO_FILES, StaticFiles, method_of
 from gateway.transport.time_budget import TimeBudgets
-from gateway.transport.tls_handshakes import log_failed_handshakes
 from gateway.transport.url_options import url_options
 
 MakeAdmission = Callable[[RoomFor, WebRules], Admission]
@@ -64,20 +60,9 @@ MAX_LEAVING: Final = 64
 # and 11 MB with 32 clients of 64 topics each.
 MAX_PAGES: Final = 8
 
-# the errors of a machine without IPv6
-_NO_SUCH_ADDRESS: Final = frozenset({errno.EADDRNOTAVAIL, errno.EAFNOSUPPORT})
-
 MAX_GOODBYE_S: Final = 1.0  # of the 2 s for the whole shutdown
 
 TICK_S: Final = 0.25  # the precision of timeouts. The cost of 4 wake-ups a second is not measurable
-
-
-@dataclass(frozen=True, slots=True)
-class ListenPort:
-    """A port to listen on, 0 for any free one. With *tls* clients need ``wss://`` there."""
-
-    port: int
-    tls: ssl.SSLContext | None = None
 
 
 class Server:
@@ -134,7 +119,10 @@ class Server:
         """
         listeners: list[asyncio.Server] = []
         try:
-            addresses = [await self._open(listen, hosts, listeners) for listen in ports]
+            addresses = [
+                await listen(port, hosts, lambda: Connection(self), self.limits, listeners)
+                for port in ports
+            ]
             ticking = asyncio.create_task(self._tick())
             try:
                 yield addresses
@@ -145,38 +133,6 @@ class Server:
                 listener.close()
             self._scrapes.close()
             await self._close_all()
-
-    async def _open(
-        self, listen: ListenPort, hosts: Sequence[str], listeners: list[asyncio.Server]
-    ) -> list[tuple[str, int]]:
-        """Listen on a port, add its listeners to *listeners*, and return its addresses."""
-        if listen.tls is not None:
-            log_failed_handshakes(listen.tls)
-        open_s = self.limits.open_timeout_s
-        # no sooner than a connection ends by itself: until then a slow peer may take its page
-        page_s = open_s + self.limits.send_deadline_s + self.limits.close_timeout_s
-        addresses: list[tuple[str, int]] = []
-        for host in hosts:
-            port = addresses[0][1] if addresses else listen.port
-            try:
-                listener = await asyncio.get_running_loop().create_server(
-                    lambda: Connection(self),
-                    host,
-                    port,
-                    ssl=listen.tls,
-                    **tls_timeouts(open_s, page_s) if listen.tls else {},
-                )
-            except OSError as error:
-                if not addresses:
-                    raise BindError(host, port, error) from error
-                # Python 3.13 has no number for it
-                lacks_it = error.errno is None or error.errno in _NO_SUCH_ADDRESS
-                level = logging.DEBUG if lacks_it else logging.INFO
-                logger.log(level, "not listening on %s: %s", host, error.strerror or error)
-                continue
-            listeners.append(listener)
-            addresses += [sock.getsockname()[:2] for sock in listener.sockets]
-        return addresses
 
     def judged(self) -> Health:
         """Return what is wrong with the gateway."""
@@ -192,22 +148,7 @@ class Server:
 
     def health(self) -> Mapping[str, Any]:
         """Return the counts of /healthz."""
-        found = self.summary()
-        totals = found.totals
-        return {
-            "version": found.version,
-            "uptime_s": round(found.uptime_s, 1),
-            **found.entities,
-            "tasks": found.tasks,
-            "operations_time_s": round(found.time_s, 3),
-            "reading_pauses": found.pauses,
-            "messages_in": totals.operations,
-            "refused": totals.refused,
-            "frames_out": totals.frames,
-            "dropped": totals.dropped_by_full_queue,
-            "coalesced": totals.coalesced,
-            "replaced": totals.replaced,
-        }
+        return counts_of(self.summary())
 
     def summary(self) -> Summary:
         """Return the state of the gateway, without the traffic of its topics."""
@@ -247,7 +188,7 @@ class Server:
         """Return the whole state, at one moment."""
         return State(self.summary(), self._router.traffic())
 
-    # For connections: see `ServerInterface`
+    # For connections
 
     def arrive(self, connection: Connection) -> None:
         """Add a connection. If too many are not clients yet, the greediest address loses one."""

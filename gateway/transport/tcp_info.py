@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A TCP connection as Linux knows it, by ``struct tcp_info`` (linux/tcp.h)."""
+"""A client's socket: its options, and its state as Linux knows it.
+
+The state is ``struct tcp_info`` (linux/tcp.h). Linux has all options.
+"""
 
 import contextlib
 import socket
@@ -12,7 +15,16 @@ with contextlib.suppress(ImportError):  # Windows has neither, nor TCP_INFO
     import fcntl
     import termios
 
-# its members, and where Linux 4.9 and later have them
+# Frames wait where they can be dropped, and do not age in the kernel.
+TCP_NOTSENT_LOWAT_BYTES: Final = 16 * 1024
+
+# The kernel asks after a peer that nothing is on the way to, which answers even while its program
+# stands still: a dead link is found within 12 s. It asks later than a ping by default would.
+KEEP_IDLE_S: Final = 6
+KEEP_INTERVAL_S: Final = 2
+KEEP_COUNT: Final = 3
+
+# the members of tcp_info, and where Linux 4.9 and later have them
 _READ_BYTES: Final = 152
 _UNACKED: Final = struct.Struct("=24xI28xI")  # tcpi_unacked, tcpi_last_ack_recv in ms
 _ACKED: Final = struct.Struct("=120xQ")  # tcpi_bytes_acked
@@ -52,3 +64,25 @@ def is_ended(sock: socket.socket | None) -> bool:
         return sock.getsockopt(socket.IPPROTO_TCP, _OPTION, 1)[0] != _ESTABLISHED
     except OSError:
         return False
+
+
+def tune(sock: socket.socket | None) -> None:
+    """Bound the kernel's buffer, and let it find a dead link while nothing is sent.
+
+    While something is on the way, `KeepAlive` judges. TCP_USER_TIMEOUT would cut off also a peer
+    that lives and takes nothing for a while, and make the kernel ask for as long.
+    """
+    if sock is None:
+        return
+    with contextlib.suppress(OSError):
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for option, value in (
+        ("TCP_NOTSENT_LOWAT", TCP_NOTSENT_LOWAT_BYTES),
+        ("TCP_KEEPIDLE", KEEP_IDLE_S),
+        ("TCP_KEEPINTVL", KEEP_INTERVAL_S),
+        ("TCP_KEEPCNT", KEEP_COUNT),
+    ):
+        number = getattr(socket, option, None)
+        if number is not None:
+            with contextlib.suppress(OSError):
+                sock.setsockopt(socket.IPPROTO_TCP, number, value)

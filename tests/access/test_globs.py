@@ -3,7 +3,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from gateway.access.globs import compile_globs
+from gateway.access.permissions import compile_globs
 
 SEGMENTS = st.text("abs", min_size=1, max_size=4)
 NAMES = st.lists(SEGMENTS, min_size=1, max_size=6).map(lambda parts: "/" + "/".join(parts))

@@ -5,8 +5,8 @@ import pytest
 
 from benchmarks.hostile_frames import Bomb, bombs, plain_frames
 from gateway.codec import cbor_reader
-from gateway.codec.cdr.bounds import TooManyFieldsError
-from gateway.codec.errors import JsonError
+from gateway.codec.cdr.misfits import TooManyFieldsError
+from gateway.codec.error_text import JsonError
 from gateway.codec.json import loads
 from gateway.codec.types import Types
 from gateway.config.limits import Limits

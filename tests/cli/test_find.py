@@ -18,7 +18,7 @@ import pytest
 
 from gateway.cli import find
 from gateway.cli.find import gateways, line
-from gateway.transport.discovery_packets import FoundGateway, answer
+from gateway.transport.lan_discovery import FoundGateway, answer
 from tests.cli.test_main import ros2_gateway
 from tests.client import TIMEOUT_S, eventually
 from tests.gateway_process import gateway_process

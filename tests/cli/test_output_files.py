@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from gateway.cli.output_files import write_files
+from gateway.cli.generate import write_files
 from gateway.errors import GatewayError, UsageError
 
 MARK = "made by us"

@@ -9,7 +9,7 @@ import pybase64
 import pytest
 
 from gateway.codec.compressed_images import decompress
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.image import ImageOptions
 from gateway.codec.image_encodings import ImageError
 from gateway.codec.picture import picture_renderer

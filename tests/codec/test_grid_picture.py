@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.grid_picture import GRID, grid_renderer
 from gateway.codec.types import Types
 from schemas.installed import InstalledDefinitions

@@ -10,7 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from gateway.codec import json_bounds
-from gateway.codec.errors import JsonError
+from gateway.codec.error_text import JsonError
 from gateway.codec.json import ascii_only, dumps, in_one_go, loads
 from gateway.codec.json_bounds import MAX_STRINGS, outline
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gateway.codec import json_arrays, json_bounds
-from gateway.codec.errors import JsonError
+from gateway.codec.error_text import JsonError
 from gateway.codec.json import in_one_go, loads, loads_in_slices
 from schemas.json_forms import NumberArray
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.json_slices import SLICE_NUMBERS, SLICE_OCTETS, json_slices
 from gateway.codec.nonfinite import NonFinite, writer
 from gateway.codec.types import Types

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gateway.codec import json_tokens
-from gateway.codec.errors import JsonError
+from gateway.codec.error_text import JsonError
 from gateway.codec.json import LARGE_TEXT_BYTES, MAX_TOKENS, loads
 from gateway.codec.json_bounds import MAX_CONTAINERS
 

@@ -5,7 +5,7 @@ import json
 import cbor2
 import pytest
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.image import ImageOptions
 from gateway.codec.picture import picture_renderer
 from gateway.codec.picture_formats import PICTURE_FORMATS

@@ -4,8 +4,8 @@ import struct
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
-from gateway.codec.cdr.bounds import TooManyFieldsError
-from gateway.codec.errors import FieldError
+from gateway.codec.cdr.misfits import TooManyFieldsError
+from gateway.codec.error_text import FieldError
 from gateway.codec.json import dumps, loads
 from gateway.codec.types import Types
 from gateway.codec.validation import InvalidValueError

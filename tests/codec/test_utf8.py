@@ -4,7 +4,7 @@ import tracemalloc
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from gateway.codec.utf8 import invalid_at
+from gateway.codec.json import invalid_at
 
 PIECE = 64 * 1024
 

@@ -22,7 +22,8 @@ from gateway.fronts.pictures.front import Pictures
 from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.transport.front import Fronts
 from gateway.transport.http import own_names
-from gateway.transport.server import ListenPort, Server
+from gateway.transport.listening import ListenPort
+from gateway.transport.server import Server
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table

@@ -23,6 +23,7 @@ from gateway.transport import connection as connection_module
 from gateway.transport import inbound as inbound_module
 from gateway.transport import time_budget as time_budget_module
 from gateway.transport import turns as turns_module
+from gateway.transport import writing as writing_module
 from gateway.transport.connection import Connection
 from gateway.transport.end import ConnectionEnd
 from gateway.transport.frame_reader import FrameReader
@@ -164,6 +165,7 @@ class Wire(Timers):
     ) -> None:
         super().__init__(monkeypatch, inbound_module, time_budget_module, turns_module)
         monkeypatch.setattr(connection_module, "time", inbound_module.time)
+        monkeypatch.setattr(writing_module, "time", inbound_module.time)
         monkeypatch.setattr(inbound_module, "READ_COST_S", 0)
         self.transport = Transport()
         self.server = ServerInterface(server, self.take)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from gateway.transport.discovery_packets import (
+from gateway.transport.lan_discovery import (
     QUESTION_BYTES,
     FoundGateway,
     answer,

@@ -7,12 +7,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from gateway.transport import discovery_packets
-from gateway.transport.discovery_packets import FoundGateway, answer, question
+from gateway.transport import lan_discovery
 from gateway.transport.lan_discovery import (
     DATAGRAMS_PER_TURN,
+    FoundGateway,
     LanDiscovery,
+    answer,
     answering_questions,
+    question,
 )
 from tests.client import TIMEOUT_S, eventually
 
@@ -111,7 +113,7 @@ async def test_a_port_in_use_is_reported_and_does_not_prevent_a_start(monkeypatc
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("", 0))
         port = other.getsockname()[1]
-        monkeypatch.setattr(discovery_packets, "PORT", port)
+        monkeypatch.setattr(lan_discovery, "PORT", port)
         monkeypatch.setattr(LanDiscovery.__init__, "__defaults__", (port,))
         with caplog.at_level(logging.WARNING), answering_questions(GATEWAY):
             pass

@@ -3,7 +3,7 @@
 
 from websockets.frames import Frame, Opcode
 
-from gateway.transport.message_assembly import MessageAssembly
+from gateway.transport.frame_reader import MessageAssembly
 
 
 def test_a_whole_message_is_passed_on_with_its_kind():

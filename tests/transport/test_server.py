@@ -16,7 +16,8 @@ from gateway.errors import BindError
 from gateway.sources.source import Qos
 from gateway.transport import inbound
 from gateway.transport.end import ConnectionEnd, EndCause
-from gateway.transport.server import TICK_S, ListenPort
+from gateway.transport.listening import ListenPort
+from gateway.transport.server import TICK_S
 from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.transport.conftest import Serve, Served
 from tests.transport.needs import needs_websockets_17

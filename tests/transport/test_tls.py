@@ -18,8 +18,9 @@ from gateway.config.access import TlsConfig
 from gateway.errors import BindError
 from gateway.log_rate import BURST, LogRate
 from gateway.transport.connection import Connection
+from gateway.transport.listening import ListenPort
 from gateway.transport.scrapes import Scrapes
-from gateway.transport.server import TICK_S, ListenPort
+from gateway.transport.server import TICK_S
 from tests.client import TIMEOUT_S, client, eventually
 from tests.transport.conftest import Serve, Served
 from tests.transport.test_server import closing, masked, upgrade

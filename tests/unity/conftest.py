@@ -11,8 +11,7 @@ from urllib.parse import urlsplit
 import pytest
 from geometry_msgs.msg import Twist, TwistStamped
 
-from gateway.transport.discovery_packets import FoundGateway
-from gateway.transport.lan_discovery import answering_questions
+from gateway.transport.lan_discovery import FoundGateway, answering_questions
 from tests.clients.robot import Robot
 from tests.demonstration import demonstration
 from tests.gateway_process import GatewayProcess

@@ -6,8 +6,8 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from gateway.codec.cdr.bounds import MAX_CDR_BYTES, refuse_size
 from gateway.codec.cdr.layout import CODES
+from gateway.codec.cdr.misfits import MAX_CDR_BYTES, refuse_size
 from schemas.definition import FLOAT32_OVERFLOW, FLOATS, INTEGER_RANGES
 from schemas.json_forms import MAX_WHOLE, NumberArray, octets
 

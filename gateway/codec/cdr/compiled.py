@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Functions from CDR to values or CBOR, compiled for a type and some of its fields."""
+"""Functions from CDR to values or CBOR, compiled for a type and some of its fields.
+
+Each `compile_` raises what `compile_decoder` raises.
+"""
 
 from collections.abc import Callable, Generator, Iterable, Sequence
 from typing import TypeAlias
@@ -54,10 +57,6 @@ def compile_transcoder(
     As in rosbridge, octet arrays are byte strings, and all other arrays of numbers are
     little-endian typed arrays (RFC 8746), short and empty ones too. Every float is a float64.
     *fields* and the errors of the function are those of `compile_decoder`.
-
-    Raises:
-        FieldError: a name in *fields* is not a field.
-        UnknownTypeError: a nested type is not installed.
     """
     return compile_for(definition, definitions, fields, Cbor(), "CDR to CBOR transcoder", "")
 
@@ -69,10 +68,6 @@ def compile_sliced_decoder(
 
     It yields empty pieces and returns the dict, for `json_slices`. Octet arrays are views. Arrays
     of messages or strings are JSON already, written by a function that it is given.
-
-    Raises:
-        FieldError: a name in *fields* is not a field.
-        UnknownTypeError: a nested type is not installed.
     """
     note = ", in slices"
     return compile_for(definition, definitions, fields, SlicedValues(), "CDR decoder", note)
@@ -84,10 +79,6 @@ def compile_sliced_transcoder(
     """Compile a transcoder for large messages, as such a generator.
 
     It returns the item in pieces. Large arrays are not copied.
-
-    Raises:
-        FieldError: a name in *fields* is not a field.
-        UnknownTypeError: a nested type is not installed.
     """
     note = ", in slices"
     return compile_for(

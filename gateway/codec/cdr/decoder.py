@@ -23,19 +23,20 @@ from gateway.codec.cdr.layout import (
     Numbers,
     Path,
     Run,
+    Selection,
     Slot,
     Text,
     flatten,
     item_path,
     least_size,
+    select,
 )
 from gateway.codec.cdr.rows import each_row, row
-from gateway.codec.cdr.selection import Selection, select
 from gateway.codec.cdr.sliced_elements import CHUNK_ELEMENTS
 from gateway.codec.cdr.source import variable
 from gateway.codec.cdr.target import Target, Value
 from gateway.codec.cdr.text import wide_text
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from schemas.definition import Definition, FieldType
 from schemas.installed import InstalledDefinitions
 

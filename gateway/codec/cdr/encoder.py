@@ -14,7 +14,6 @@ from typing import Final, TypeAlias
 from typing_extensions import assert_never
 
 from gateway.codec.cdr.arrays import listed, packed
-from gateway.codec.cdr.bounds import MAX_CDR_BYTES, MAX_FIELDS, count_fields, refuse_size
 from gateway.codec.cdr.defaults import DefaultBytes, default_elements, default_value
 from gateway.codec.cdr.encoder_runs import RunWriter
 from gateway.codec.cdr.layout import (
@@ -36,10 +35,14 @@ from gateway.codec.cdr.misfits import (
     INTEGERS,
     LENIENT_INTEGERS,
     LENIENT_NUMBERS,
+    MAX_CDR_BYTES,
+    MAX_FIELDS,
     NUMBERS,
     LenientError,
     MisfitError,
+    count_fields,
     misfit,
+    refuse_size,
 )
 from gateway.codec.cdr.source import SourceCode, variable
 from gateway.codec.cdr.text import wide
@@ -60,7 +63,7 @@ def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -
     float that is one (`whole`). Padding is zero. A value that does not fit raises one of `MISFITS`,
     without saying where. `gateway.codec.validation` does.
 
-    It raises `TooManyFieldsError` for a message beyond the bounds of `gateway.codec.cdr.bounds`.
+    It raises `TooManyFieldsError` for a message beyond the bounds of `gateway.codec.cdr.misfits`.
 
     Raises:
         UnknownTypeError: a nested type is not installed.

@@ -1,11 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The errors of encoders, and the types that numbers may have."""
+"""The errors of encoders, the types that numbers may have, and the bounds of one message.
 
-from collections.abc import Sequence
+The bounds hold however short a message of a client is as JSON.
+"""
+
+from collections.abc import Mapping, Sequence
 from struct import error as StructError  # noqa: N812
-from typing import Final
+from typing import Final, NoReturn
 
+from gateway.codec.cdr.layout import Elements, Member, Numbers, Text
+from gateway.codec.error_text import CodecError
 from schemas.json_forms import NON_FINITE
+
+# 20,000 points. Fields that a client leaves out also take time and count. See `count_fields`.
+MAX_FIELDS: Final = 60_000
+MAX_CDR_BYTES: Final = 16 * 1024**2  # only what is left out makes CDR longer than its JSON
+
+_FIELDS: Final[Mapping[type[Member], int]] = {Text: 3, Numbers: 8, Elements: 8}
 
 NUMBERS: Final = frozenset({float, int})
 INTEGERS: Final = frozenset({int})
@@ -37,3 +48,25 @@ def misfit(values: Sequence[object], lenient: frozenset[type]) -> MisfitError:
     has_numbers = not types.isdisjoint(NUMBERS)
     names = {each for each in values if type(each) is str} if has_numbers else set(values)
     return LenientError() if names <= NON_FINITE.keys() else MisfitError()
+
+
+class TooManyFieldsError(CodecError):
+    """A message is small as JSON and large as CDR."""
+
+
+def count_fields(members: Sequence[Member]) -> int:
+    """Return the number of fields for which an element counts that says any of them.
+
+    The time that one takes is the unit: that of a string is three times, of an empty array eight
+    times that of a number (measured).
+    """
+    fixed = sum(each.length or 0 for each in members if isinstance(each, Elements))
+    return fixed + sum(_FIELDS.get(type(member), 1) for member in members)
+
+
+def refuse_size() -> NoReturn:
+    """Raise `TooManyFieldsError`."""
+    raise TooManyFieldsError(
+        f"over {MAX_FIELDS} values or {MAX_CDR_BYTES} bytes, counted with the fields that are left"
+        " out; send fewer elements at once"
+    )

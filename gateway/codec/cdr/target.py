@@ -2,8 +2,9 @@
 """The output of a decoder, as pieces of Python source."""
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from typing import Final, Literal, Protocol, TypeVar
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Final, Generic, Literal, TypeVar
 
 import numpy as np
 from pybase64 import b64encode_as_string
@@ -20,70 +21,60 @@ NATIVE: Final = "<" if sys.byteorder == "little" else ">"
 Value = TypeVar("Value")
 
 
-class Target(Protocol[Value]):
+class Target(Generic[Value]):
     """Writes the source that makes output of the fields read. A *Value* stands for one field.
 
     Source that reads arrays may use the decoder's variables ``data``, ``offset``, ``end`` and
     ``count``. Source that builds values only those of the fields.
     """
 
-    @property
-    def names(self) -> Mapping[str, object]:
-        """The globals that the source uses."""
+    names: Mapping[str, object]  # the globals that the source uses
+    # Short fixed arrays of numbers are made as tuples rather than by `numbers`.
+    takes_tuples = False
+    # A float32 is made as a `numpy.float32`, and short fixed arrays as arrays of them.
+    keeps_float32 = False
+    # The function is a generator, and yields an empty piece between slices of its work.
+    pauses = False
+    arguments: Sequence[str] = ()  # further ones of the function
+    # The source that makes what collects the elements of an array, if the function pauses.
+    elements = "[]"
 
-    @property
-    def takes_tuples(self) -> bool:
-        """Short fixed arrays of numbers are made as tuples rather than by `numbers`."""
-
-    @property
-    def keeps_float32(self) -> bool:
-        """A float32 is made as a `numpy.float32`, and short fixed arrays as arrays of them."""
-
-    @property
-    def pauses(self) -> bool:
-        """The function is a generator, and yields an empty piece between slices of its work."""
-
-    @property
-    def arguments(self) -> Sequence[str]:
-        """Further arguments of the function."""
-
-    @property
-    def elements(self) -> str:
-        """The source that makes what collects the elements of an array, if the function pauses."""
-
+    @abstractmethod
     def octets(self, octets: str) -> str:
         """Return the source for an array of octets, given the source of its bytes or a view."""
 
+    @abstractmethod
     def numbers(self, member: Numbers, order: ByteOrder, source: SourceCode) -> str:
         """Return the source for the ``count`` numbers or booleans at ``offset``."""
 
+    @abstractmethod
     def value(self, kind: FieldType, name: str) -> Value:
         """Return the value of the field in the variable *name*, a list if it is an array."""
 
+    @abstractmethod
     def message(self, members: Sequence[tuple[str, Value]]) -> Value:
         """Return a message with these members."""
 
+    @abstractmethod
     def expression(self, value: Value, source: SourceCode) -> str:
         """Return the source that makes a value."""
 
     def result(self, value: Value, source: SourceCode) -> str:
         """Return the source that makes what the function returns of the whole message."""
+        return self.expression(value, source)
 
 
-class Values:
+class Values(Target[str]):
     """Makes dicts that `gateway.codec.json.dumps` can write."""
 
     takes_tuples = True
     # A Python float holds 0.1f as 0.10000000149011612, and would be written so. To orjson a
     # float32 is one, with the digits that it needs, and arrays of any length read the same.
     keeps_float32 = True
-    pauses = False
-    arguments: Sequence[str] = ()
-    elements = "[]"
 
     def __init__(self, octets: Octets) -> None:
         self._octets = octets
-        self.names: Mapping[str, Callable[..., object]] = {
+        self.names = {
             "base64": b64encode_as_string,
             "frombuffer": np.frombuffer,
         }
@@ -127,10 +118,6 @@ class Values:
         """Return the source unchanged."""
         del source
         return value
-
-    def result(self, value: str, source: SourceCode) -> str:
-        """Return the source unchanged."""
-        return self.expression(value, source)
 
 
 class SlicedValues(Values):

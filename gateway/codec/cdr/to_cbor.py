@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """CDR to CBOR without Python objects where both agree: arrays are slices of the CDR."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from struct import Struct
@@ -13,6 +13,7 @@ from gateway.codec import cbor
 from gateway.codec.cdr.layout import CODES, ByteOrder, Numbers
 from gateway.codec.cdr.sliced_elements import CborElements
 from gateway.codec.cdr.source import SourceCode
+from gateway.codec.cdr.target import Target
 from schemas.definition import (
     FLOATS,
     INTEGER_RANGES,
@@ -44,7 +45,7 @@ class SourcePart:
 SourceParts: TypeAlias = tuple[SourcePart, ...]
 
 
-class Cbor:
+class Cbor(Target[SourceParts]):
     """Makes one CBOR item.
 
     Numbers have the width of their type, whatever their value (RFC 8949, 4.1 prefers the
@@ -52,12 +53,8 @@ class Cbor:
     the names between them.
     """
 
-    takes_tuples = False
-    keeps_float32 = False  # every float is a float64, and 0.1f one of 0.10000000149011612
-    pauses = False
-    arguments: Sequence[str] = ()
-    elements = "[]"
-    names: Mapping[str, Callable[..., object] | bytes] = {
+    # every float is a float64, and 0.1f one of 0.10000000149011612
+    names: Mapping[str, object] = {
         "BOOLEANS": _BOOLEANS,
         "frombuffer": np.frombuffer,
         "head": cbor.head,
@@ -107,17 +104,13 @@ class Cbor:
         parts = _parts(value, source)
         return parts[0] if len(parts) == 1 else f'b"".join(({", ".join(parts)}))'
 
-    def result(self, value: SourceParts, source: SourceCode) -> str:
-        """Join the pieces of the message as well."""
-        return self.expression(value, source)
-
 
 class SlicedCbor(Cbor):
     """Makes one CBOR item in slices, and leaves the pieces of the message apart."""
 
     pauses = True
     elements = "CborElements()"
-    names: Mapping[str, Callable[..., object] | bytes] = {
+    names: Mapping[str, object] = {
         **Cbor.names,
         "CborElements": CborElements,
     }

@@ -4,7 +4,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.types import ActionType
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit
 from gateway.core.interface_types import InterfaceTypes

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Final
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.types import ActionType
 from gateway.core.deadline import Deadline
 from gateway.core.entries import NOTHING, Frame

@@ -7,7 +7,7 @@ import struct
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.types import MessageType
 from gateway.core.errors import ProtocolError
 from gateway.drive.twist_cdr import TWIST

@@ -6,8 +6,7 @@ Failures are in ``reason``: clients look there, and not all of them wait for an 
 
 from collections.abc import Mapping
 
-from gateway.codec.error_text import truncate
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError, truncate
 from gateway.codec.json import dumps, loads
 from gateway.core.errors import ProtocolError
 from gateway.core.rosapi.node_parameters import (

@@ -8,7 +8,7 @@ from typing import cast
 
 from typing_extensions import assert_never
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.types import Types
 from gateway.core.errors import ProtocolError
 from gateway.core.rosapi.graph_services import GraphServices

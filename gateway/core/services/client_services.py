@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.types import ServiceType
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit
 from gateway.core.interface_types import InterfaceTypes

@@ -8,7 +8,7 @@ from typing import Final
 from gateway.codec import cbor
 from gateway.codec.cdr import Cdr
 from gateway.codec.chunks import Chunk
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.json_slices import json_slices
 from gateway.codec.nonfinite import writer
 from gateway.codec.types import MessageType

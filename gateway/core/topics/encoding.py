@@ -13,7 +13,7 @@ from typing import Final
 
 from gateway.codec.cdr import Cdr
 from gateway.codec.chunks import Chunks
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.nonfinite import writer
 from gateway.codec.types import MessageType
 from gateway.core.entries import NOT_READY, NOTHING, Frame, NoFrame

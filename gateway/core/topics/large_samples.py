@@ -13,7 +13,7 @@ from typing import Final, Protocol, TypeAlias
 
 from gateway.codec.cdr import Cdr
 from gateway.codec.chunks import Chunk, Chunks
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.core.entries import NOT_READY, NOTHING, Frame
 from gateway.core.topics.kept_messages import KeptMessages
 from gateway.core.topics.shared_pictures import TopicPictures

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Final, NamedTuple
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.grid_picture import GRID, grid_maker
 from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE, pixel_maker
 from gateway.codec.types import MessageType

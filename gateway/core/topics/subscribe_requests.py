@@ -4,7 +4,7 @@
 from dataclasses import replace
 
 from gateway.codec.error_text import did_you_mean, truncate
-from gateway.codec.errors import FieldError
+from gateway.codec.error_text import FieldError
 from gateway.codec.types import MessageType
 from gateway.core.errors import ProtocolError
 from gateway.core.requests import Subscribe

@@ -9,7 +9,7 @@ from itertools import count as numbers
 from itertools import repeat
 from typing import Final
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.types import MessageType
 from gateway.core.errors import ProtocolError
 from gateway.core.topic_counts import TopicCounts

@@ -9,8 +9,7 @@ from pydantic import ValidationError
 
 from gateway.access.permissions import UNLIMITED, Identity
 from gateway.codec import cbor_reader
-from gateway.codec.error_text import hint, truncate
-from gateway.codec.errors import JsonError
+from gateway.codec.error_text import JsonError, hint, truncate
 from gateway.codec.json import ascii_only, loads, loads_in_slices
 from gateway.codec.nonfinite import named
 from gateway.config.limits import Limits

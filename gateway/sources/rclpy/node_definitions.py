@@ -11,7 +11,7 @@ from itertools import chain
 from typing import Any, Final, NamedTuple
 
 from gateway.backports import timeout
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.types import Types
 from gateway.sources.client_cache import ClientCache
 from gateway.sources.services import ServiceClient

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from gateway.codec.cdr.bounds import TooManyFieldsError
-from gateway.codec.errors import CodecError
+from gateway.codec.cdr.misfits import TooManyFieldsError
+from gateway.codec.error_text import CodecError
 from gateway.codec.types import Types
 from schemas.definition import FLOAT32_OVERFLOW
 from schemas.installed import InstalledDefinitions

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from rclpy.serialization import serialize_message
 
 from gateway.codec.cdr import compile_decoder, compile_encoder
-from gateway.codec.errors import CodecError, FieldError
+from gateway.codec.error_text import CodecError, FieldError
 from gateway.codec.json import dumps
 from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions

@@ -8,9 +8,8 @@ import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
 from gateway.codec.cdr import compile_decoder, compile_encoder
-from gateway.codec.cdr.bounds import TooManyFieldsError, count_fields
 from gateway.codec.cdr.layout import flatten
-from gateway.codec.cdr.misfits import MISFITS
+from gateway.codec.cdr.misfits import MISFITS, TooManyFieldsError, count_fields
 from gateway.codec.json import dumps
 from schemas.definition import PRIMITIVES
 from schemas.installed import InstalledDefinitions

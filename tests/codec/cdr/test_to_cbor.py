@@ -8,7 +8,7 @@ import pytest
 from rclpy.serialization import serialize_message
 
 from gateway.codec.cdr import compile_decoder, compile_transcoder
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from schemas.installed import InstalledDefinitions
 from tests.codec.cdr.reference import Writer
 from tests.messages import RandomMessages, to_ros

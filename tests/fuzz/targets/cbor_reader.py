@@ -9,7 +9,7 @@ import cbor2
 
 from gateway.codec import cbor
 from gateway.codec.cbor_reader import MAX_SINGLE_ITEMS, loads
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.json import MAX_DEPTH
 from tests.fuzz import seeds
 from tests.fuzz.target import Target, check

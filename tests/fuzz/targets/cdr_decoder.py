@@ -7,8 +7,8 @@ from typing import Any
 import cbor2
 import numpy as np
 
-from gateway.codec.cdr.bounds import TooManyFieldsError
-from gateway.codec.errors import CodecError
+from gateway.codec.cdr.misfits import TooManyFieldsError
+from gateway.codec.error_text import CodecError
 from gateway.codec.json import dumps, loads
 from gateway.codec.validation import InvalidValueError
 from tests.codec.cdr.reference import Writer

@@ -6,8 +6,8 @@ from typing import Any
 
 import pybase64
 
-from gateway.codec.cdr.bounds import MAX_CDR_BYTES, TooManyFieldsError
-from gateway.codec.errors import CodecError
+from gateway.codec.cdr.misfits import MAX_CDR_BYTES, TooManyFieldsError
+from gateway.codec.error_text import CodecError
 from gateway.codec.json import dumps, loads
 from gateway.codec.validation import InvalidValueError
 from schemas.definition import FLOATS, INTEGER_RANGES, STRINGS, Definition, FieldType

@@ -7,7 +7,7 @@ from websockets.datastructures import Headers
 from websockets.exceptions import InvalidHeader
 
 from gateway.access.credentials import CredentialsError, check_target, token_in
-from gateway.access.globs import compile_globs
+from gateway.access.permissions import compile_globs
 from gateway.access.tokens import TokenFileError, from_json, to_json
 from gateway.access.web_rules import WebRules, is_plain
 from gateway.transport.forwarded import client_address

@@ -5,7 +5,7 @@ import json
 import math
 from typing import Any
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.json import LARGE_TEXT_BYTES, MAX_DEPTH, ascii_only, loads
 from gateway.codec.json_bounds import MAX_CONTAINERS, MAX_ITEMS
 from gateway.codec.nonfinite import writer

@@ -8,7 +8,7 @@ from typing import Any, get_args
 
 import cbor2
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.json import loads
 from gateway.core.errors import StatusCode
 from gateway.fronts.rosbridge.front import RosbridgeFront

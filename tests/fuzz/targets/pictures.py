@@ -9,7 +9,7 @@ import numpy as np
 import pybase64
 
 from gateway.codec import cbor
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.image import ImageOptions
 from gateway.codec.image_encodings import ENCODINGS
 from gateway.codec.json import loads

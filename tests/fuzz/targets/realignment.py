@@ -4,7 +4,7 @@
 from functools import cache
 from typing import Any
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.json import dumps
 from gateway.sources.rclpy.made_types.realignment import Realignment
 from gateway.sources.source import RosError

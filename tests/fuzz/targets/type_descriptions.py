@@ -4,7 +4,7 @@
 import contextlib
 from typing import Any
 
-from gateway.codec.cdr.bounds import TooManyFieldsError
+from gateway.codec.cdr.misfits import TooManyFieldsError
 from gateway.codec.json import dumps, loads
 from gateway.codec.types import Types
 from schemas.definition import Definition, DefinitionError

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.types import Types
 from gateway.sources.rclpy.action_forms import ActionForm, PackageAction
 from gateway.sources.rclpy.interfaces import action_class

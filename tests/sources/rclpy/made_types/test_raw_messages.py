@@ -12,7 +12,7 @@ import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from std_srvs.srv import SetBool
 
-from gateway.codec.errors import CodecError
+from gateway.codec.error_text import CodecError
 from gateway.codec.types import Types
 from gateway.sources.rclpy import RosOptions
 from gateway.sources.rclpy.made_types.raw_messages import RawMessage
