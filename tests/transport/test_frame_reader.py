@@ -13,7 +13,7 @@ from websockets.http11 import Request
 from websockets.protocol import OPEN, Event
 from websockets.server import ServerProtocol
 
-from gateway.transport.frame_reader import FrameReader
+from gateway.transport.frame_reader import FrameReader, MessageAssembly
 from gateway.transport.http import new_protocol
 from gateway.transport.inbound import CHUNK_BYTES
 
@@ -188,3 +188,40 @@ def test_only_frames_that_a_piece_cuts_are_left_to_websockets(counted: Counted, 
     for start in range(0, len(backlog), CHUNK_BYTES):
         given = counted.passed_on(backlog[start : start + CHUNK_BYTES])
         assert sum(map(len, given)) < 2 * len(message)
+
+
+def test_a_whole_message_is_passed_on_with_its_kind():
+    assembly = MessageAssembly()
+    assert assembly.add(Frame(Opcode.TEXT, b"text")) == b"text"
+    assert assembly.is_text
+    assert assembly.add(Frame(Opcode.BINARY, b"octets")) == b"octets"
+    assert not assembly.is_text
+
+
+def test_fragments_are_joined_and_the_first_says_their_kind():
+    assembly = MessageAssembly()
+    assert assembly.add(Frame(Opcode.TEXT, b"a", fin=False)) is None
+    assert assembly.add(Frame(Opcode.CONT, b"b", fin=False)) is None
+    assert assembly.add(Frame(Opcode.CONT, b"c")) == b"abc"
+    assert assembly.is_text
+    assert assembly.add(Frame(Opcode.BINARY, b"", fin=False)) is None
+    assert assembly.add(Frame(Opcode.CONT, b"d")) == b"d"
+    assert not assembly.is_text
+
+
+def test_a_whole_message_that_is_taken_ahead_leaves_the_fragments_around_it_as_they_are():
+    assembly = MessageAssembly()
+    assert assembly.add(Frame(Opcode.BINARY, b"a", fin=False)) is None
+    assert assembly.add(Frame(Opcode.TEXT, b"text")) == b"text"
+    assert assembly.is_text
+    assert assembly.add(Frame(Opcode.CONT, b"b")) == b"ab"
+    assert not assembly.is_text
+
+
+def test_empty_fragments_are_not_kept():
+    assembly = MessageAssembly()
+    assembly.add(Frame(Opcode.TEXT, b"", fin=False))
+    for _ in range(1000):
+        assembly.add(Frame(Opcode.CONT, b"", fin=False))
+    assert assembly._fragments == []
+    assert assembly.add(Frame(Opcode.CONT, b"")) == b""

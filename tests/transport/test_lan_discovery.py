@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
+
 import asyncio
+import json
 import logging
 import socket
 from collections.abc import AsyncIterator, Iterator
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -10,10 +13,13 @@ import pytest
 from gateway.transport import lan_discovery
 from gateway.transport.lan_discovery import (
     DATAGRAMS_PER_TURN,
+    QUESTION_BYTES,
     FoundGateway,
     LanDiscovery,
     answer,
     answering_questions,
+    found,
+    is_question,
     question,
 )
 from tests.client import TIMEOUT_S, eventually
@@ -133,3 +139,59 @@ async def test_after_a_turn_it_listens_again_in_100_ms_and_little_waits(discover
     kept = discovery._socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
     assert kept == 2 * 32 * 1024  # the kernel takes twice as much, for what it notes itself
     discovery._loop = asyncio.get_running_loop()
+
+
+@pytest.mark.parametrize(
+    "gateway", [GATEWAY, replace(GATEWAY, is_encrypted=True, path="/ros", tls_port=9091)]
+)
+def test_an_answer_can_be_read(gateway: FoundGateway) -> None:
+    assert found(answer(gateway)) == gateway
+
+
+def test_the_address_is_that_of_the_websocket() -> None:
+    assert GATEWAY.url("10.0.0.7") == "ws://10.0.0.7:9090/"
+    assert replace(GATEWAY, is_encrypted=True, path="/ros").url("r") == "wss://r:9090/ros"
+
+
+def test_no_answer_is_longer_than_a_question() -> None:
+    longest = FoundGateway(
+        id="f" * 16,
+        name="\u00e9" * 500,
+        port=65535,
+        path="/" + "p" * 199,
+        is_encrypted=False,
+        tls_port=65535,
+        needs_token=False,
+        version="10.10.10.dev10",
+    )
+    assert len(answer(longest)) <= QUESTION_BYTES == len(question())
+    told = found(answer(longest))
+    assert told.name == "?" * 63
+    assert not is_question(question()[: QUESTION_BYTES - 1])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"op": "find_gateways"},
+        {"port": "9090"},
+        {"port": 0},
+        {"port": 65536},
+        {"name": "\x1b[2J"},
+        {"path": None},
+        {"tls": 1},
+        {"tls_port": "9091"},
+        {"tls_port": -5},
+        {"port": True},
+        {"path": "@evil.example:9090/"},
+        {"name": "n" * 1100},
+    ],
+)
+def test_other_datagrams_are_ignored(change: dict[str, object]) -> None:
+    assert found(json.dumps(json.loads(answer(GATEWAY)) | change).encode()) is None
+
+
+@pytest.mark.parametrize("datagram", [b"", b"{", b"[]", b"\xff" * 600, b"1" * 600])
+def test_garbage_is_neither(datagram: bytes) -> None:
+    assert not is_question(datagram)
+    assert found(datagram) is None
