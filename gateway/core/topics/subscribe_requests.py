@@ -3,8 +3,7 @@
 
 from dataclasses import replace
 
-from gateway.codec.error_text import did_you_mean, truncate
-from gateway.codec.error_text import FieldError
+from gateway.codec.error_text import FieldError, did_you_mean, truncate
 from gateway.codec.types import MessageType
 from gateway.core.errors import ProtocolError
 from gateway.core.requests import Subscribe

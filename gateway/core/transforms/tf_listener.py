@@ -9,8 +9,7 @@ from functools import partial
 from typing import Any, Final
 
 from gateway.backports import timeout_at
-from gateway.codec.error_text import truncate
-from gateway.codec.error_text import CodecError
+from gateway.codec.error_text import CodecError, truncate
 from gateway.codec.types import MessageType
 from gateway.core.errors import ProtocolError
 from gateway.core.topic_types import TopicTypes
