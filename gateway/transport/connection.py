@@ -36,7 +36,7 @@ from gateway.transport.end import (
     ended_elsewhere,
 )
 from gateway.transport.frame_reader import DATA, MessageAssembly
-from gateway.transport.front import ClientSession, Front, HttpSession
+from gateway.transport.front import ClientSession, Front
 from gateway.transport.http import new_protocol
 from gateway.transport.inbound import READ_CHUNK_BYTES, Inbound
 from gateway.transport.inbound_text import expect_text, receive_message
