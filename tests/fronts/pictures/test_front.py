@@ -265,8 +265,7 @@ async def test_a_viewer_that_takes_nothing_is_cut_off(serve: Serve):
         assert summary.handshakes_refused == {}
 
 
-async def test_at_most_so_many_look_and_one_that_leaves_makes_room(serve, monkeypatch):
-    monkeypatch.setattr(pictures_front, "MAX_VIEWERS", 2)
+async def test_at_most_so_many_look_and_one_that_leaves_makes_room(serve: Serve):
     path = f"/stream?topic={CAMERA}"
     async with serve() as served, contextlib.AsyncExitStack() as others:
         camera(served)
