@@ -64,7 +64,7 @@ def test_one_that_has_expired_is_replaced(tmp_path: Path, monkeypatch, caplog):
 
     cert, _ = own_certificate(tmp_path)
     made = cert.read_bytes()
-    clock = SimpleNamespace(datetime=Later, timedelta=dt.timedelta, UTC=dt.UTC)
+    clock = SimpleNamespace(datetime=Later, timedelta=dt.timedelta, timezone=dt.timezone)
     monkeypatch.setattr(certificate, "dt", clock)
     own_certificate(tmp_path)
     assert cert.read_bytes() != made

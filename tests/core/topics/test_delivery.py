@@ -16,6 +16,7 @@ from gateway.core.topic_counts import TopicCounts
 from gateway.core.topics.fan_out import write_directly
 from gateway.core.topics.subscription import Subscription
 from gateway.core.topics.subscription_options import SubscriptionOptions
+from gateway.fronts.rosbridge.framing import RosbridgeFraming
 from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.metrics.histogram import NOTHING_OBSERVED
 from gateway.metrics.state import Delivery
@@ -105,7 +106,7 @@ class Client:
 
 
 def requested(**options: Any) -> tuple[dict[str | int | None, Subscribe], SubscriptionOptions]:
-    request = Subscribe(topic="/t", **options)
+    request = Subscribe(topic="/t", framing=RosbridgeFraming(), **options)
     return {None: request}, SubscriptionOptions.merge([request])
 
 

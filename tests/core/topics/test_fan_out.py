@@ -14,6 +14,7 @@ from gateway.core.topic_counts import TopicCounts
 from gateway.core.topics.fan_out import Batch, write_directly
 from gateway.core.topics.subscription import Subscription
 from gateway.core.topics.subscription_options import SubscriptionOptions
+from gateway.fronts.rosbridge.framing import RosbridgeFraming
 from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.metrics.state import Delivery
 
@@ -45,7 +46,7 @@ class Client:
         self.room_after_look = 0
         self.session = RosbridgeSession(Limits(), lambda: None)
         self.session.outbox.connect(lambda _: 0, self)
-        request = Subscribe(topic="/t", **options)
+        request = Subscribe(topic="/t", **{"framing": RosbridgeFraming(), **options})
         self.subscription = Subscription(
             *(self.session, "/t", TopicName("/t"), {None: request}),
             *(SubscriptionOptions.merge([request]), TopicCounts(), lambda _: None),
@@ -141,7 +142,8 @@ def test_a_sample_overtakes_pictures_that_are_not_ready_but_no_older_sample():
 
 
 @pytest.mark.parametrize(
-    "options", [{"throttle_ms": 1000}, {"meta": True}, {"fragment_size": 1000}]
+    "options",
+    [{"throttle_ms": 1000}, {"meta": True}, {"framing": RosbridgeFraming(fragment_size=1000)}],
 )
 def test_a_subscription_with_another_pace_or_frame_is_left_to_others(options: dict[str, Any]):
     clients = [Client(), Client(**options)]
@@ -208,8 +210,11 @@ def test_more_than_64_kib_of_samples_in_a_turn_are_not_encoded_at_once(more: int
 
 def test_options_that_change_later_count_from_then_on():
     client = Client()
-    request = Subscribe(topic="/t", throttle_ms=1000)
-    for asked, is_left in ([request], True), ([Subscribe(topic="/t")], False):
+    request = Subscribe(topic="/t", framing=RosbridgeFraming(), throttle_ms=1000)
+    for asked, is_left in (
+        ([request], True),
+        ([Subscribe(topic="/t", framing=RosbridgeFraming())], False),
+    ):
         client.subscription.change({None: asked[0]}, SubscriptionOptions.merge(asked))
         assert (fan_out(Entry(), [client]) == [client]) is is_left
 

@@ -12,6 +12,7 @@ from gateway.core.requests import Subscribe
 from gateway.core.topic_counts import TopicCounts
 from gateway.core.topics.subscription import Subscription
 from gateway.core.topics.subscription_options import SubscriptionOptions
+from gateway.fronts.rosbridge.framing import RosbridgeFraming
 from gateway.fronts.rosbridge.session import RosbridgeSession
 from tests.client import eventually
 from tests.clock import StoppedClock
@@ -22,7 +23,7 @@ EVERYTHING = 1 << 30
 
 
 def requested(**options: Any) -> tuple[dict[str | int | None, Subscribe], SubscriptionOptions]:
-    request = Subscribe(topic="/t", **options)
+    request = Subscribe(topic="/t", framing=RosbridgeFraming(), **options)
     return {None: request}, SubscriptionOptions.merge([request])
 
 

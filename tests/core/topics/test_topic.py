@@ -65,7 +65,7 @@ def string_type() -> MessageType:
 
 
 def subscription(**options: Any) -> Subscription:
-    request = Subscribe(topic="/t", **options)
+    request = Subscribe(topic="/t", framing=RosbridgeFraming(), **options)
     session = RosbridgeSession(Limits(), lambda: None)
     session.set_level("warning")
     merged = SubscriptionOptions.merge([request])
