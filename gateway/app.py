@@ -37,6 +37,7 @@ from gateway.log_fields import counted, text_of
 from gateway.log_rate import LogRate
 from gateway.memory import exempt_from_collection, keep_large_blocks, returning_free_memory
 from gateway.security import Security, open_security
+from gateway.service_manager import reporting_to_systemd
 from gateway.sources.rclpy.configured import open_source as open_rclpy
 from gateway.sources.source import Diagnosis, LogLevel, Source
 from gateway.start import Start
@@ -172,8 +173,9 @@ async def _serve(
         ports = [ListenPort(config.port, security.tls)]
         if config.tls.port is not None:
             ports = [ListenPort(config.port), ListenPort(config.tls.port, security.tls)]
-        listening = server.listening(security.posture.hosts, *ports)
-        addresses, *encrypted = await stack.enter_async_context(listening)
+        addresses, *encrypted = await stack.enter_async_context(
+            server.listening(security.posture.hosts, *ports)
+        )
         reloading = asyncio.create_task(_reload_whenever(hung_up, load, security, server))
         stack.callback(reloading.cancel)
         tls_port = encrypted[0][0][1] if encrypted else None
@@ -183,7 +185,8 @@ async def _serve(
         invite = announce(_listening(config, security, addresses, tls_port))
         if ros.publishing.guard is not None:
             ros.publishing.guard.start()  # last: nobody waits for it to listen
-        stack.enter_context(start.inviting(invite))
+        ready = stack.enter_context(reporting_to_systemd(os.environ))
+        stack.enter_context(start.inviting(invite, ready))
         if config.ros.diagnostics and source.publishing is not None:
             name = config.ros.node_prefix
             reporting = publishing(source.publishing, source.now_ns, types, server.summary, name)

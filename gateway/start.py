@@ -36,8 +36,8 @@ class Start:
         return (Fault("starting", text),)
 
     @contextmanager
-    def inviting(self, invite: Callable[[], None]) -> Iterator[None]:
-        """Call *invite* once a robot can be driven or no robot listens, unless it ends."""
+    def inviting(self, *invitations: Callable[[], None]) -> Iterator[None]:
+        """Call all *invitations* once a robot can be driven or no robot listens, unless it ends."""
         loop = asyncio.get_running_loop()
         timer: asyncio.Handle
 
@@ -46,7 +46,8 @@ class Start:
             if self.faults() and time.monotonic() - self._began_s < INVITE_S:
                 timer = loop.call_later(LOOK_S, look)
             else:
-                invite()
+                for invite in invitations:
+                    invite()
 
         timer = loop.call_soon(look)
         try:

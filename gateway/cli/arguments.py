@@ -90,7 +90,7 @@ def argument_parser() -> argparse.ArgumentParser:
 
     for add in (_add_serve, _add_demo, _add_sim, _add_mock, add_commands_about_types):
         add(command)
-    for add in (_add_check_config, _add_token, _add_cert, _add_find):
+    for add in (_add_check_config, _add_token, _add_cert, _add_service, _add_find):
         add(command)
     return parser
 
@@ -211,6 +211,27 @@ def _add_mock(command: AddCommand) -> None:
     several(parser, "--type", "TYPE", "only this type, by name or number")
     switch(parser, "--no-publish", "only print what arrives")
     switch(parser, "--no-listen", "only publish")
+
+
+def _add_service(command: AddCommand) -> None:
+    parser = command(
+        "install-service",
+        "start the gateway at boot, by systemd",
+        "  sudo ros2-gateway install-service --lan\n"
+        "  sudo ros2-gateway install-service --user robot --setup ~/ws/install/setup.bash\n"
+        "  ros2-gateway install-service --user robot --dry-run   only print the unit",
+    )
+    option(
+        parser,
+        "--user",
+        "NAME",
+        "the user that runs your ROS nodes (default: the one that called sudo)",
+    )
+    setup = "a setup.bash of ROS or of a workspace (default: of the only ROS in /opt/ros)"
+    several(parser, "--setup", "FILE", setup, type=Path)
+    option(parser, "--config", "FILE", "TOML file of the gateway", type=Path)
+    switch(parser, "--lan", CONFIG_SWITCHES["--lan"][2])
+    switch(parser, "--dry-run", "print the unit, and change nothing")
 
 
 def _add_find(command: AddCommand) -> None:

@@ -77,6 +77,7 @@ def _run(arguments: argparse.Namespace) -> int:
         "check-config": _check_config,
         "token": _token,
         "cert": _cert,
+        "install-service": _install_service,
         "find": _find,
     }
     return commands[arguments.command](arguments)
@@ -211,6 +212,24 @@ def _cert(arguments: argparse.Namespace) -> int:
     cert, key = folder / "cert.pem", folder / "key.pem"
     print(f"a certificate for {', '.join(subjects)}. To use it, serve with")
     print(f"  --tls-cert {cert} --tls-key {key}")
+    return EXIT_OK
+
+
+def _install_service(arguments: argparse.Namespace) -> int:
+    from gateway.cli.service import install, unit_of
+
+    config = arguments.config
+    if config is not None and not config.is_file():
+        raise UsageError(f"--config: no file {config}: name a TOML file")
+    serve = ["--config", str(config.absolute())] if config is not None else []
+    wanted = unit_of(
+        *(arguments.user, arguments.setup, [*serve, *["--lan"][: arguments.lan]], os.environ)
+    )
+    if arguments.dry_run:
+        print(wanted.text, end="")
+    else:
+        for line in install(wanted):
+            print(line, flush=True)
     return EXIT_OK
 
 
