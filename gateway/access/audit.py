@@ -76,7 +76,7 @@ class Audit:
         entry |= {name: _shown(value) for name, value in values.items() if value is not None}
         line = json.dumps(entry)  # ASCII: no text can begin a new line
         # the lines are limited already, and other lines must not displace a stop
-        extra = {"client": client, "topic": entry.get("topic"), "is_bounded": True}
+        extra = {"client": client, "topic": entry.get("topic"), "is_bounded": True, "audit": entry}
         logger.log(self._level, "%s", line, extra=extra)
         if self._write is not None:
             self._write(line)

@@ -3,6 +3,7 @@
 
 import json
 import logging
+import os
 import sys
 import threading
 from collections.abc import Mapping, Sequence
@@ -58,11 +59,14 @@ class JsonFormatter(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
         """Return ``{"time": ..., "level": ..., "logger": ..., "message": ..., "client": ...}``."""
         fields = fields_of(record)
+        message = message_of(record)
+        if audited := getattr(record, "audit", None):  # an event, whose message is its line
+            fields = {**fields, **audited}
+            message = audited["event"]
+            del fields["time"]
         if record.exc_info:
             fields["traceback"] = self.formatException(record.exc_info)
-        return json_line(
-            record.created, record.levelname.lower(), record.name, message_of(record), **fields
-        )
+        return json_line(record.created, record.levelname.lower(), record.name, message, **fields)
 
 
 class TextFormatter(logging.Formatter):
@@ -77,12 +81,23 @@ class TextFormatter(logging.Formatter):
         return super().formatMessage(record)
 
 
+# of sd-daemon(3), from the highest level of `logging` down
+_PRIORITIES: Final = (
+    (logging.CRITICAL, 2),
+    (logging.ERROR, 3),
+    (logging.WARNING, 4),
+    (logging.INFO, 6),
+    (logging.NOTSET, 7),
+)
+
+
 class LogHandler(logging.StreamHandler):  # type: ignore[type-arg]  # no generic on Python 3.10
     """Writes records, and a bounded number of those that clients cause."""
 
     def __init__(self, stream: TextIO, log_format: LogFormat) -> None:
         super().__init__(stream)
         self.setFormatter(JsonFormatter() if log_format == "json" else TextFormatter())
+        self._is_journal = _is_journal(stream)
         self._rate = LogRate()
         self.addFilter(self._rate)
 
@@ -91,6 +106,14 @@ class LogHandler(logging.StreamHandler):  # type: ignore[type-arg]  # no generic
         for late in self._rate.overdue():
             super().emit(late)
         super().emit(record)
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return the text, with the priority before each line if systemd's journal reads it."""
+        text = super().format(record)
+        if not self._is_journal:
+            return text
+        priority = next(number for level, number in _PRIORITIES if record.levelno >= level)
+        return "\n".join(f"<{priority}>{line}" for line in text.splitlines())
 
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802  # of `logging`
         """Lose a line that cannot be written: the disk is full, or nobody reads it any more."""
@@ -102,6 +125,15 @@ class LogHandler(logging.StreamHandler):  # type: ignore[type-arg]  # no generic
         for late in self._rate.overdue(all_of_them=True):
             super().emit(late)
         super().close()
+
+
+def _is_journal(stream: TextIO) -> bool:
+    """Return whether a stream goes to systemd's journal (systemd.exec(5), $JOURNAL_STREAM)."""
+    try:
+        status = os.fstat(stream.fileno())
+    except (OSError, ValueError):  # closed, or no file
+        return False
+    return os.environ.get("JOURNAL_STREAM") == f"{status.st_dev}:{status.st_ino}"
 
 
 def configure_logging(

@@ -6,6 +6,7 @@ import gc
 import io
 import json
 import logging
+import os
 import sys
 import threading
 import warnings
@@ -13,6 +14,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from gateway.access.audit import Audit
 from gateway.cli.logs import configure_logging, wanted_format
 from gateway.log_rate import BURST
 
@@ -46,6 +48,42 @@ def test_a_json_record_is_one_line_even_with_a_traceback(capsys):
     assert entry["logger"] == "gateway.test"
     assert entry["message"] == "failed at x"
     assert entry["traceback"].startswith("Traceback")
+
+
+def test_an_event_of_the_audit_log_is_fields_of_its_line(capsys):
+    configure_logging("info", "json")
+    Audit(lambda: 0).record("stop", client="10.0.0.5#12", topic="/cmd_vel", reason="deadline")
+    (entry,) = entries(capsys.readouterr().err)
+    assert not entry.pop("time").startswith("1970")  # the log's own
+    assert entry == {
+        "level": "info",
+        "logger": "gateway.audit",
+        "message": "stop",
+        "event": "stop",
+        "client": "10.0.0.5#12",
+        "topic": "/cmd_vel",
+        "reason": "deadline",
+    }
+
+
+@pytest.mark.parametrize("log_format", ["text", "json"])
+def test_the_journal_gets_the_priority_of_each_line(tmp_path, monkeypatch, log_format):
+    path = tmp_path / "journal"
+    with path.open("w+") as stream:
+        status = os.fstat(stream.fileno())
+        monkeypatch.setenv("JOURNAL_STREAM", f"{status.st_dev}:{status.st_ino}")
+        configure_logging("debug", log_format, stream)
+        logger = logging.getLogger("gateway.test")
+        for level in ("debug", "info", "warning", "critical"):
+            getattr(logger, level)("words")
+        logger.error("words", exc_info=ValueError("two\nlines"))
+        monkeypatch.setenv("JOURNAL_STREAM", "1:1")  # of another stream
+        configure_logging("debug", log_format, stream)
+        logger.error("words")
+    *before, last = path.read_text().splitlines()
+    assert [line[:3] for line in before[:4]] == ["<7>", "<6>", "<4>", "<2>"]
+    assert {line[:3] for line in before[4:]} == {"<3>"}
+    assert not last.startswith("<")
 
 
 def test_records_below_the_level_are_left_out(capsys):
