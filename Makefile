@@ -62,7 +62,7 @@ kilted: $(READY_ON_KILTED) ## test what depends on ROS with ROS 2 Kilted, in .ve
 
 oldest: $(READY_ON_OLDEST) ## test with Python 3.10, the oldest, in .venv-oldest (make oldest PYTHON=/path/to/python3.10)
 	@$(OLDEST)/bin/python -m tests.interfaces
-	$(OLDEST)/bin/python -m pytest $(WORKERS) $(or $(ARGS),$(TESTS_OF_ROS) tests/codec tests/config tests/transport)
+	$(OLDEST)/bin/python -m pytest $(WORKERS) $(or $(ARGS),tests/sources tests/codec tests/config tests/transport)
 
 # Generated pages, and the text of the licence.
 NOT_LINTED := docs/reference/messages.md docs/reference/services.md unity_client/LICENSE.md
