@@ -59,7 +59,7 @@ WARN_AGAIN_S: Final = 10.0
 
 @dataclass(frozen=True, slots=True)
 class Listening:
-    """The texts that people need to connect."""
+    """The data that people need to connect."""
 
     addresses: Sequence[tuple[str, int]]
     path: str

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from typing import Final
 
-MAX_FACT_CHARACTERS: Final = 200  # a name of ROS fits
+MAX_VALUE_CHARACTERS: Final = 200  # a name of ROS fits
 # Lines of one kind of event in a window, so that no flood fills the disk or the log. Each kind
 # has its own limit, so that no flood can hide a stop.
 MAX_LINES: Final = 100
@@ -51,7 +51,7 @@ class Audit:
     def record(self, event: str, *, client: str | None = None, **values: AuditValue) -> None:
         """Record an event. *event* is one of the gateway's own words, never a client's.
 
-        *client* is the address and number of the client that it is about, for the log only. Facts
+        *client* is the address and number of the client that it is about, for the log only. Values
         that are ``None`` are left out. Texts are truncated.
         """
         now_ns = self._clock_ns()
@@ -83,4 +83,4 @@ class Audit:
 
 
 def _shown(value: AuditValue) -> AuditValue:
-    return value[:MAX_FACT_CHARACTERS] if isinstance(value, str) else value
+    return value[:MAX_VALUE_CHARACTERS] if isinstance(value, str) else value

@@ -218,12 +218,8 @@ def _cert(arguments: argparse.Namespace) -> int:
 def _install_service(arguments: argparse.Namespace) -> int:
     from gateway.cli.service import install, unit_of
 
-    config = arguments.config
-    if config is not None and not config.is_file():
-        raise UsageError(f"--config: no file {config}: name a TOML file")
-    serve = ["--config", str(config.absolute())] if config is not None else []
     wanted = unit_of(
-        *(arguments.user, arguments.setup, [*serve, *["--lan"][: arguments.lan]], os.environ)
+        *(arguments.user, arguments.setup, os.environ), config=arguments.config, lan=arguments.lan
     )
     if arguments.dry_run:
         print(wanted.text, end="")

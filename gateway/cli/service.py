@@ -63,13 +63,15 @@ class Unit:
 def unit_of(
     user: str | None,
     setups: Sequence[Path],
-    arguments: Sequence[str],
     environment: Mapping[str, str],
+    *,
+    config: Path | None = None,
+    lan: bool = False,
 ) -> Unit:
-    """Return the service of a user. Without *user* it is the one that called sudo.
+    """Return the unit of a user. Without *user* it is the one that called sudo.
 
     Raises:
-        UsageError: the user is unknown or not named, or so is a setup file.
+        UsageError: the user is unknown or not named, or a file is missing.
         RosMissingError: ROS is not installed.
     """
     name = user or environment.get("SUDO_USER", "")
@@ -81,6 +83,11 @@ def unit_of(
         raise UsageError(
             f"this computer has no user {name!r}: name the user that runs your ROS nodes"
         ) from None
+    if config is not None and not config.is_file():
+        raise UsageError(f"--config: no file {config}: name a TOML file")
+    arguments = [] if config is None else ["--config", str(config.absolute())]
+    if lan:
+        arguments.append("--lan")
     variables = {key: environment[key] for key in _ROS_VARIABLES if environment.get(key)}
     return Unit(name, _found_setups(setups), arguments, variables)
 

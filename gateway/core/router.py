@@ -25,7 +25,6 @@ from gateway.core.interface_types import InterfaceTypes
 from gateway.core.introspection.descriptions import Descriptions
 from gateway.core.introspection.introspection import Introspection, seen_by
 from gateway.core.learned_types import LearnedTypes
-from gateway.core.missing_parts import complete
 from gateway.core.names import resolve_topic
 from gateway.core.permission_checks import may_carry_out
 from gateway.core.requests import ImageFormat, Request
@@ -46,7 +45,7 @@ from gateway.core.transforms.republications import Republications
 from gateway.core.transforms.tf_listener import TfListener
 from gateway.metrics.state import ControlState, Traffic
 from gateway.sources.graph import Graph
-from gateway.sources.source import Source
+from gateway.sources.source import Ros
 from schemas.table import Table
 
 
@@ -69,7 +68,7 @@ class Router:
 
     def __init__(  # noqa: PLR0913  # one argument for each part that it shares
         self,
-        source: Source,
+        ros: Ros,
         types: Types,
         table: Table,
         *,
@@ -80,7 +79,6 @@ class Router:
         control: ControlConfig | None = None,
         image_format: ImageFormat = "jpeg",
     ) -> None:
-        ros = complete(source)
         self._service_clients = ServiceClients(ros)
         self._learned = LearnedTypes(ros, types.definitions, self._on_types_learned)
         topic_types = TopicTypes(ros, types, table, self._learned.ask)

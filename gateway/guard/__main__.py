@@ -211,8 +211,9 @@ def _own_answers() -> int:
 
 def main() -> None:
     """Run with ``{"name", "namespace", "domain_id", "silence_ns"}`` as the only argument."""
-    # Ctrl-C and the stop of a service reach the whole group. The guard ends after the gateway.
-    for number in (*ENDING, signal.SIGHUP, signal.SIGPIPE):
+    # Ctrl-C, the stop of a service and its watchdog reach the whole group. The guard ends after the
+    # gateway.
+    for number in (*ENDING, signal.SIGHUP, signal.SIGPIPE, signal.SIGABRT):
         signal.signal(number, signal.SIG_IGN)
     answers = _own_answers()
     options = orjson.loads(sys.argv[1])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from gateway import app
 from gateway.access import audit_file
-from gateway.access.audit import MAX_FACT_CHARACTERS, MAX_LINES, Audit
+from gateway.access.audit import MAX_VALUE_CHARACTERS, MAX_LINES, Audit
 from gateway.access.audit_file import AuditFile
 from gateway.errors import ConfigError
 from gateway.guard import supervisor
@@ -69,7 +69,7 @@ def test_no_text_ends_its_line_or_is_longer_than_allowed(text):
     (line,) = lines
     assert line.isascii()
     assert line.isprintable()
-    assert json.loads(line)["reason"] == text[:MAX_FACT_CHARACTERS]
+    assert json.loads(line)["reason"] == text[:MAX_VALUE_CHARACTERS]
 
 
 def test_a_long_text_is_truncated(clock):

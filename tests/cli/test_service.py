@@ -114,7 +114,7 @@ def test_the_only_ros_is_found_and_of_several_one_is_to_be_chosen(tmp_path: Path
     monkeypatch.setattr(service_module, "SETUPS", tmp_path)
 
     def found() -> list[Path]:
-        return list(unit_of("root", [], [], {}).setups)
+        return list(unit_of("root", [], {}).setups)
 
     with pytest.raises(RosMissingError):
         found()
@@ -126,4 +126,4 @@ def test_the_only_ros_is_found_and_of_several_one_is_to_be_chosen(tmp_path: Path
     kilted.touch()
     with pytest.raises(UsageError, match="choose one by --setup"):
         found()
-    assert list(unit_of("root", [kilted], [], {}).setups) == [kilted]
+    assert list(unit_of("root", [kilted], {}).setups) == [kilted]

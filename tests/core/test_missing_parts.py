@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from gateway.codec.types import Types
+from gateway.core.missing_parts import complete
 from gateway.core.router import Router
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions
@@ -45,7 +46,7 @@ async def lacking(request: pytest.FixtureRequest) -> AsyncIterator[Bench]:
     ros = Lacking(*request.param, types=types)
     with ThreadPoolExecutor(1) as workers:
         table, shared = Table.load(), {"workers": workers, "version": "test"}
-        router = Router(ros, types, table, limits=LIMITS, **shared)  # type: ignore[arg-type]
+        router = Router(complete(ros), types, table, limits=LIMITS, **shared)
         yield Bench(ros, router, types)
         router.close()
 

@@ -96,7 +96,7 @@ async def test_signals_to_the_whole_group_do_not_end_the_guard_before_the_gatewa
         await eventually(lambda: states == ["prepared"])
         pid = guard.pid
         assert pid is not None
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGABRT):
             os.kill(pid, number)
         guard.moving(TOPIC, 0, "")
     await eventually(lambda: len(heard) == ZEROS)
