@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from gateway import app
 from gateway.access import audit_file
-from gateway.access.audit import MAX_VALUE_CHARACTERS, MAX_LINES, Audit
+from gateway.access.audit import MAX_LINES, MAX_VALUE_CHARACTERS, Audit
 from gateway.access.audit_file import AuditFile
 from gateway.errors import ConfigError
 from gateway.guard import supervisor
