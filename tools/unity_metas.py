@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keep a ``.meta`` next to every asset of the Unity package: ``python -m tools.unity_metas``.
+"""Keep a ``.meta`` next to every asset of the Unity packages: ``python -m tools.unity_metas``.
 
-Without it Unity ignores a file of a package installed by git, for packages are read-only. An
-asset's GUID is the md5 of its path. Once written it never changes, since scenes refer to it.
+Without it Unity ignores a file of a package installed by git, for packages are read-only. A new
+asset's GUID is the md5 of its path. Once written it never changes, since scenes refer to it. So if
+you move an asset, move its ``.meta`` with it.
 """
 
 import argparse
@@ -10,12 +11,14 @@ import hashlib
 import re
 import sys
 from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Final
 
-PACKAGE: Final = Path(__file__).resolve().parents[1] / "unity_client"
+HOME: Final = Path(__file__).resolve().parents[1] / "unity_client"
+PACKAGES: Final = tuple(HOME / name for name in ("client", "displays", "robots"))
 
-_NAMESPACE: Final = "com.ros2-json-gateway.client/"
+_NAMESPACE: Final = "com.ros2-json-gateway/"
 # Unity imports nothing below a folder that ends so, but it copies samples into a project, which
 # then has their GUIDs: the one such folder with metas (in it, none next to it).
 _SAMPLES: Final = "Samples~"
@@ -104,7 +107,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Keep a .meta next to every asset.")
     parser.add_argument("--check", action="store_true", help="change nothing, exit 1 if needed")
     check = parser.parse_args(arguments).check
-    problems = list(wrong(PACKAGE) if check else update(PACKAGE))
+    problems = list(wrong(*PACKAGES) if check else chain.from_iterable(map(update, PACKAGES)))
     for problem in problems:
         print(problem)  # noqa: T201  # a command's output
     return 1 if check and problems else 0
@@ -116,23 +119,28 @@ def update(package: Path) -> Iterator[str]:
     for meta, asset in expected.items():
         if not meta.exists():
             meta.write_text(content(package, asset))
-            yield f"wrote {meta.relative_to(package)}"
+            yield f"wrote {meta.relative_to(package.parent)}"
     for meta in sorted(set(package.rglob("*.meta")) - set(expected)):
         meta.unlink()
-        yield f"removed {meta.relative_to(package)}"
+        yield f"removed {meta.relative_to(package.parent)}"
 
 
-def wrong(package: Path) -> Iterator[str]:
+def wrong(*packages: Path) -> Iterator[str]:
     """Yield what `update` would do, and errors beyond it: a GUID that is duplicate or missing."""
+    owners: dict[str, Path] = {}
+    for package in packages:
+        yield from _wrong(package, owners)
+
+
+def _wrong(package: Path, owners: dict[str, Path]) -> Iterator[str]:
     expected = {meta_of(asset): asset for asset in assets(package)}
     present = set(package.rglob("*.meta"))
     for meta in sorted(set(expected) - present):
-        yield f"missing: {meta.relative_to(package)}"
+        yield f"missing: {meta.relative_to(package.parent)}"
     for meta in sorted(present - set(expected)):
-        yield f"without an asset: {meta.relative_to(package)}"
-    owners: dict[str, Path] = {}
+        yield f"without an asset: {meta.relative_to(package.parent)}"
     for meta in sorted(present & set(expected)):
-        name = meta.relative_to(package)
+        name = meta.relative_to(package.parent)
         found = _GUID.search(meta.read_text())
         if found is None:
             yield f"without a GUID: {name}"
@@ -154,7 +162,7 @@ def meta_of(asset: Path) -> Path:
 
 def content(package: Path, asset: Path) -> str:
     """Return the text of a new meta."""
-    path = asset.relative_to(package).as_posix()
+    path = asset.relative_to(package.parent).as_posix()
     # Unity wants a GUID, and only that it is unique: no security in it
     guid = hashlib.md5(f"{_NAMESPACE}{path}".encode(), usedforsecurity=False).hexdigest()
     kind = "folderAsset: yes\n" if asset.is_dir() else ""
@@ -163,7 +171,7 @@ def content(package: Path, asset: Path) -> str:
 
 
 def _importer(path: str) -> tuple[str, str]:
-    if path == "package.json":
+    if Path(path).name == "package.json":
         return "PackageManifestImporter", _PLAIN
     return _IMPORTERS.get(Path(path).suffix, ("DefaultImporter", _PLAIN))
 

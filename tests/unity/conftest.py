@@ -11,10 +11,11 @@ from urllib.parse import urlsplit
 import pytest
 from geometry_msgs.msg import Twist, TwistStamped
 
+from gateway.sources.recording.options import DEMO
 from gateway.transport.lan_discovery import FoundGateway, answering_questions
 from tests.clients.robot import Robot
 from tests.demonstration import demonstration
-from tests.gateway_process import GatewayProcess
+from tests.gateway_process import GatewayProcess, gateway_process
 from tests.sources.outside import Outside
 from tests.unity import csharp, mono
 from tests.unity.background import in_background
@@ -33,7 +34,9 @@ def gateway(tmp_path_factory: pytest.TempPathFactory) -> Iterator[GatewayProcess
     (meshes / "strip.stl").write_bytes(_strip(2000))
     (meshes / "red.dae").write_text(RED_DAE)
     prefixes = os.pathsep.join(filter(None, [os.environ.get("AMENT_PREFIX_PATH"), str(prefix)]))
-    with in_background(demonstration(before=("env", f"AMENT_PREFIX_PATH={prefixes}"))) as process:
+    # recordings are files of the user
+    environment = ("env", f"AMENT_PREFIX_PATH={prefixes}", f"XDG_DATA_HOME={prefix}")
+    with in_background(demonstration(before=environment)) as process:
         yield process
 
 
@@ -47,7 +50,14 @@ def _strip(count: int) -> bytes:
 
 
 @pytest.fixture(scope="package")
-def servers(gateway: GatewayProcess) -> Iterator[dict[str, str]]:
+def recording() -> Iterator[GatewayProcess]:
+    """A gateway that plays the recording of the simulated robot again and again."""
+    with in_background(gateway_process("play", str(DEMO), "--loop")) as process:
+        yield process
+
+
+@pytest.fixture(scope="package")
+def servers(gateway: GatewayProcess, recording: GatewayProcess) -> Iterator[dict[str, str]]:
     """The environment of a C# test: the addresses of the gateway and of misbehaving servers."""
     with (
         in_background(rogue(gateway.url)) as rogue_url,
@@ -63,6 +73,7 @@ def servers(gateway: GatewayProcess) -> Iterator[dict[str, str]]:
         Base(other.node, CHANGING, Twist)
         yield {
             "ROS2GATEWAY_TEST_URL": gateway.url,
+            "ROS2GATEWAY_RECORDING_URL": recording.url,
             "ROS2GATEWAY_ROGUE_URL": rogue_url,
             "ROS2GATEWAY_DEAF_URL": deaf_url,
         }

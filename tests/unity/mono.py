@@ -1,31 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mono as the tests use it: compile C# once per content, run it, translate it ahead of time.
+"""Mono as the tests use it: compile C# for it, run it, translate it ahead of time.
 
 Unity's editor and desktop players also run on Mono. The full ahead-of-time mode, without a JIT
 compiler, stands in for IL2CPP.
 """
 
-import fcntl
 import hashlib
 import os
 import shutil
-import subprocess
-import tempfile
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-ROOT: Final = Path(__file__).resolve().parents[2]
-CACHE: Final = ROOT / ".cache" / "unity"
+from tests.unity import compiler
+from tests.unity.compiler import CACHE, CompileError, Framework, Request
 
-COMPILE_TIMEOUT_S: Final = 300  # takes 1 to 3 s, on a machine that does nothing else
 TRANSLATE_TIMEOUT_S: Final = 900
 
 # By default there is room for 4096 delegates and lazily bound calls in a process, and for 512 calls
 # by interfaces. One that runs hundreds of tests needs more.
 _TRANSLATE: Final = "--aot=full,ntrampolines=65536,nimt-trampolines=16384"
 
+_OF_MONO: Final = Framework.of_mono()
+_UNDOCUMENTED: Final = "CS1591"
 _NUNIT_DIRECTORIES: Final = Path("/usr/lib/cli")
 _FRAMEWORK_DIRECTORY: Final = Path("/usr/lib/mono/4.5")
 # mscorlib first: the others are translated against it
@@ -33,10 +31,6 @@ _FRAMEWORK: Final = (
     *("mscorlib", "System", "System.Core", "System.Configuration", "System.Xml"),
     *("System.Security", "System.Numerics", "Mono.Security"),
 )
-
-
-class CompileError(Exception):
-    """The C# compiler or the translator refused. The text is what it said."""
 
 
 @dataclass(frozen=True)
@@ -63,10 +57,11 @@ class Binary:
 
 def missing() -> str:
     """Say what is not installed, in words for a skipped test. Empty if all is there."""
-    absent = [program for program in ("mono", "mcs") if shutil.which(program) is None]
+    absent = ["mono"] if shutil.which("mono") is None else []
     if not _nunit_paths():
         absent.append("NUnit 2.6")
-    return f"{', '.join(absent)} missing: run tools/make-mono.sh as root" if absent else ""
+    words = f"{', '.join(absent)} missing: run tools/make-mono.sh as root" if absent else ""
+    return words or compiler.missing()
 
 
 def missing_ahead_of_time() -> str:
@@ -88,52 +83,48 @@ def compile_assembly(
     *,
     references: Sequence[Binary] = (),
     defines: Sequence[str] = (),
-    options: Sequence[str] = (),
+    suppressed: Sequence[str] = (),
+    documented: bool = False,
+    style: Path | None = None,
+    framework: Framework = _OF_MONO,
 ) -> Binary:
     """Compile `sources` to ``name.dll`` (or ``.exe``, by the name), warnings being errors.
 
     The same sources, references and options are compiled once, and found again by later runs.
 
+    Args:
+        name: The assembly's.
+        sources: Its files.
+        references: What it is compiled against, besides the framework.
+        defines: Its symbols.
+        suppressed: Codes of warnings that do not count.
+        documented: Whether each public member needs a summary.
+        style: An ``.editorconfig``. Code that breaks one of its rules is an error.
+        framework: Its libraries.
+
     Raises:
         CompileError: With the compiler's words.
     """
     filename = name if name.endswith(".exe") else f"{name}.dll"
-    arguments = [
-        *("-langversion:7.2", "-warnaserror", "-nologo", "-debug"),
-        f"-target:{'exe' if filename.endswith('.exe') else 'library'}",
-        *(f"-define:{define}" for define in defines),
-        *(f"-reference:{reference.path}" for reference in references),
-        *options,
-    ]
-    digest = hashlib.sha256("\n".join([filename, *arguments]).encode())
-    for source in sources:
-        digest.update(f"\n{source}\n".encode() + source.read_bytes())
-    binary = Binary(CACHE / digest.hexdigest()[:16] / filename, tuple(references))
     if not sources:
         raise CompileError(f"{name} has no sources")
+    request = Request(
+        filename,
+        tuple(map(str, sources)),
+        tuple(defines),
+        (*(str(reference.path) for reference in references), *framework.libraries),
+        (*suppressed, *(() if documented else (_UNDOCUMENTED,))),
+        str(style or ""),
+    )
+    digest = hashlib.sha256(f"{compiler.identity()}{request}".encode())
+    for source in (*sources, *([style] if style else ())):
+        digest.update(f"\n{source}\n".encode() + source.read_bytes())
 
     def fill(directory: Path) -> None:
-        command = ["mcs", *arguments, f"-out:{directory / filename}", *map(str, sources)]
-        _run(command, COMPILE_TIMEOUT_S)
+        compiler.compile_now(replace(request, Out=str(directory / filename)))
 
-    _make(binary.path.parent, fill)
-    return binary
-
-
-def cached(content: str, fill: Callable[[Path], None]) -> Path:
-    """Return a directory that *fill* fills, once for this content."""
-    directory = CACHE / hashlib.sha256(content.encode()).hexdigest()[:16]
-    _make(directory, fill)
-    return directory
-
-
-def run(arguments: list[str]) -> None:
-    """Run a compiler.
-
-    Raises:
-        CompileError: With its words.
-    """
-    _run(arguments, COMPILE_TIMEOUT_S)
+    directory = compiler.cached(digest.hexdigest()[:16], fill)
+    return Binary(directory / filename, tuple(references))
 
 
 def ahead_of_time(binary: Binary) -> Binary:
@@ -170,7 +161,7 @@ def _translated(binary: Binary, references: tuple[Binary, ...]) -> Binary:
         _copy(binary.path, directory)
         _translate(directory / binary.path.name, environment(*references))
 
-    _make(translated.path.parent, fill)
+    compiler.cached(translated.path.parent.name, fill)
     return translated
 
 
@@ -188,12 +179,12 @@ def _translated_framework() -> Binary:
         for source in sources:
             _translate(directory / source.name, {**os.environ, "MONO_PATH": str(directory)})
 
-    _make(framework, fill)
+    compiler.cached(framework.name, fill)
     return Binary(framework / "mscorlib.dll")
 
 
 def _translate(library: Path, env: dict[str, str]) -> None:
-    _run(["mono", _TRANSLATE, str(library)], TRANSLATE_TIMEOUT_S, env)
+    compiler.run(["mono", _TRANSLATE, str(library)], TRANSLATE_TIMEOUT_S, env)
 
 
 def _copy(binary: Path, directory: Path) -> None:
@@ -201,39 +192,6 @@ def _copy(binary: Path, directory: Path) -> None:
     for symbols in (binary.with_suffix(".pdb"), Path(f"{binary}.mdb")):
         if symbols.exists():
             shutil.copy(symbols, directory)
-
-
-def _make(path: Path, fill: Callable[[Path], None]) -> None:
-    """Have a directory filled unless it exists: once, even if others want it, or not at all."""
-    if path.exists():
-        return
-    CACHE.mkdir(parents=True, exist_ok=True)
-    with (CACHE / f"{path.name}.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if path.exists():
-            return
-        temporary = Path(tempfile.mkdtemp(prefix="new-", dir=CACHE))
-        try:
-            fill(temporary)
-            temporary.rename(path)
-        finally:
-            shutil.rmtree(temporary, ignore_errors=True)
-
-
-def _run(arguments: list[str], timeout_s: float, env: dict[str, str] | None = None) -> None:
-    done = subprocess.run(
-        arguments,
-        cwd=ROOT,
-        env=env,
-        timeout=timeout_s,
-        check=False,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
-    if done.returncode != 0:
-        raise CompileError(f"{arguments[0]} failed:\n{done.stdout}")
 
 
 def _nunit_paths() -> list[Path]:

@@ -1,22 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The package's assembly definitions, compiled for a target as Unity compiles them."""
+"""The packages' assembly definitions, compiled for a target as Unity compiles them."""
 
 import itertools
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 from tests.unity import mono
+from tests.unity.compiler import CompileError, Framework
 from tests.unity.mono import Binary
+from tools import unity_metas
 
-PACKAGE: Final = mono.ROOT / "unity_client"
+HOME: Final = unity_metas.HOME
+PACKAGES: Final = unity_metas.PACKAGES
+CLIENT, DISPLAYS, ROBOTS = PACKAGES
 STUB: Final = Path(__file__).parent / "stub"
 RUNNER: Final = Path(__file__).parent / "runner"
 SURFACE: Final = Path(__file__).parent / "surface"
+MONO: Final = Framework.of_mono()
+STYLE: Final = HOME / ".editorconfig"
 
+_OF_THE_STUB: Final = ("CS0067", "CS0169", "CS0414", "CS0649")  # Unity uses these
 _STUB_REFERENCES: Final[dict[str, tuple[str, ...]]] = {
     "UnityEngine": (),
     "UnityEditor": ("UnityEngine",),
@@ -27,7 +34,7 @@ _STUB_REFERENCES: Final[dict[str, tuple[str, ...]]] = {
     "Unity.XR.Interaction.Toolkit": ("UnityEngine", "Unity.InputSystem"),
 }
 _INPUT_SYSTEM: Final = "com.unity.inputsystem"
-_PACKAGES: Final = {
+_OPTIONAL: Final = {
     "com.unity.ugui": "UnityEngine.UI",
     "com.unity.textmeshpro": "Unity.TextMeshPro",  # from Unity 6 on in com.unity.ugui
     _INPUT_SYSTEM: "Unity.InputSystem",
@@ -56,6 +63,8 @@ class Target:
     """Whether the player settings have the Input Manager on, even with the Input System."""
     tests: bool = False
     """Whether Unity's Test Framework also compiles its tests."""
+    net: bool = False
+    """Whether .NET's libraries are those to compile with, not those of Mono, which runs it then."""
 
     def __str__(self) -> str:
         return self.name
@@ -63,8 +72,16 @@ class Target:
     def with_everything(self) -> "Target":
         """Return it with the newest Unity, all optional packages and the tests."""
         return replace(
-            self, unity="6000_0", packages=frozenset(_PACKAGES), tests=True, name=f"{self}-full"
+            self, unity="6000_0", packages=frozenset(_OPTIONAL), tests=True, name=f"{self}-full"
         )
+
+    def with_net(self) -> "Target":
+        """Return it with .NET's libraries, which have all that Unity's have. Nothing runs it."""
+        return replace(self, net=True, name=f"{self}-net")
+
+    def framework(self) -> Framework:
+        """Return the libraries of every program."""
+        return Framework.of_net() if self.net else MONO
 
     def all_defines(self) -> tuple[str, ...]:
         """Return every symbol that Unity defines."""
@@ -127,6 +144,10 @@ class AssemblyDefinition:
             not content.get("noEngineReferences", False),
         )
 
+    def package(self) -> Path | None:
+        """Return the folder of its package. None if it is of a project."""
+        return next((one for one in PACKAGES if one in self.path.parents), None)
+
     def sources(self) -> list[Path]:
         """Return its files: those below it that no other definition claims."""
         return sorted(_sources(self.path.parent, top=True))
@@ -151,14 +172,32 @@ class AssemblyDefinition:
 
 @cache
 def assembly_definitions() -> dict[str, AssemblyDefinition]:
-    """Return those of the package and its samples, by name."""
-    definitions = map(AssemblyDefinition.read, sorted(PACKAGE.rglob("*.asmdef")))
+    """Return those of the packages and their samples, by name."""
+    definitions = map(AssemblyDefinition.read, sorted(HOME.rglob("*.asmdef")))
     return {definition.name: definition for definition in definitions}
 
 
 @cache
+def installed_with(package: Path) -> frozenset[Path]:
+    """Return a package and its dependencies, as its ``package.json`` names them."""
+    manifests = {one: json.loads((one / "package.json").read_text("utf-8")) for one in PACKAGES}
+    needed = manifests[package]["dependencies"]
+    direct = (one for one, manifest in manifests.items() if manifest["name"] in needed)
+    return frozenset({package}.union(*map(installed_with, direct)))
+
+
+def libraries(target: Target, *packages: Path) -> list[Binary]:
+    """Compile what a project may refer to: the runtime of some packages, or of all."""
+    return [
+        compiled(name, target)
+        for name, definition in assembly_definitions().items()
+        if any(one / "Runtime" in definition.path.parents for one in packages or PACKAGES)
+    ]
+
+
+@cache
 def compiled(name: str, target: Target) -> Binary:
-    """Compile an assembly of the package and what it refers to.
+    """Compile an assembly of a package and what it refers to.
 
     Raises:
         CompileError: With the compiler's words.
@@ -176,7 +215,9 @@ def compiled_definition(
         CompileError: With the compiler's words.
     """
     references = [
-        compiled(reference, target) if reference in assembly_definitions() else stub(reference)
+        compiled(reference, target)
+        if reference in assembly_definitions()
+        else stub(reference, target.framework())
         for reference in referenced(definition, target)
     ]
     if "nunit.framework.dll" in definition.precompiled:
@@ -186,14 +227,18 @@ def compiled_definition(
         sources,
         references=references,
         defines=definition.defines(target),
-        # a serialized field is assigned by Unity, which silences this warning as well
-        options=["-nowarn:0649"] if definition.engine else [],
+        suppressed=_suppressed(definition),
+        framework=target.framework(),
     )
 
 
 def referenced(definition: AssemblyDefinition, target: Target) -> list[str]:
-    """Name the assemblies of the package and of the stub that one is compiled against."""
-    names = list(_present(definition.references, target))
+    """Name the assemblies of the packages and of the stub that one is compiled against.
+
+    Raises:
+        ValueError: It refers to an assembly that is not installed with its package.
+    """
+    names = list(_present(definition, target))
     if definition.engine:
         names.insert(0, "UnityEngine")
         if target.platform == "Editor":
@@ -201,38 +246,38 @@ def referenced(definition: AssemblyDefinition, target: Target) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def undocumented(name: str) -> str:
-    """Return what the compiler says of public members without a summary. Empty if all have one."""
+def complaints(name: str, *, documented: bool) -> str:
+    """Return what the compiler says of a package's assembly by the rules of ``.editorconfig``.
+
+    With *documented*, also of public members without a summary. Empty if all is well.
+    """
     definition = assembly_definitions()[name]
     target = EDITOR.with_everything()
-    # 1573: a parameter's meaning may be in the summary
-    options = [f"-doc:{mono.CACHE / name}.xml", "-nowarn:0649,1573"]
     try:
         mono.compile_assembly(
             name,
             definition.sources(),
             references=compiled(name, target).references,
             defines=definition.defines(target),
-            options=options,
+            suppressed=_suppressed(definition),
+            documented=documented,
+            style=STYLE,
         )
-    except mono.CompileError as error:
+    except CompileError as error:
         return str(error)
     return ""
 
 
-def stub_sources() -> dict[str, tuple[tuple[Path, ...], tuple[str, ...]]]:
-    """Return the files of each of the stub's assemblies, and which of those before it it needs."""
-    return {
-        name: (tuple(sorted((STUB / name).rglob("*.cs"))), references)
-        for name, references in _STUB_REFERENCES.items()
-    }
-
-
 @cache
-def stub(name: str) -> Binary:
+def stub(name: str, framework: Framework = MONO) -> Binary:
     """Compile one of the stub's assemblies."""
-    references = [stub(reference) for reference in _STUB_REFERENCES[name]]
-    return mono.compile_assembly(name, sorted((STUB / name).rglob("*.cs")), references=references)
+    return mono.compile_assembly(
+        name,
+        sorted((STUB / name).rglob("*.cs")),
+        references=[stub(reference, framework) for reference in _STUB_REFERENCES[name]],
+        suppressed=_OF_THE_STUB,
+        framework=framework,
+    )
 
 
 def stubs() -> list[Binary]:
@@ -246,23 +291,34 @@ def runner() -> Binary:
     return mono.compile_assembly(
         "runner.exe",
         sorted(RUNNER.glob("*.cs")),
-        references=[mono.nunit(), stub("UnityEngine"), stub("UnityEngine.TestRunner")],
+        references=[
+            mono.nunit(),
+            *map(stub, ("UnityEngine", "UnityEngine.TestRunner")),
+        ],
     )
 
 
-def _present(references: Iterable[str], target: Target) -> Iterator[str]:
-    """Leave out what is not installed, as Unity does."""
-    for reference in references:
-        if reference in assembly_definitions():
-            if assembly_definitions()[reference].applies_to(target):
+def _suppressed(definition: AssemblyDefinition) -> tuple[str, ...]:
+    # a serialized field is assigned by Unity, which silences this warning as well
+    return ("CS0649",) if definition.engine else ()
+
+
+def _present(definition: AssemblyDefinition, target: Target) -> Iterator[str]:
+    """Leave out the optional packages that are not installed, as Unity does."""
+    package = definition.package()
+    for reference in definition.references:
+        if (found := assembly_definitions().get(reference)) is not None:
+            if package and found.package() not in installed_with(package):
+                raise ValueError(f"{definition.name}: {reference} is not of a declared dependency")
+            if found.applies_to(target):
                 yield reference
-        elif reference in _PACKAGES.values():
-            if any(_PACKAGES[package] == reference for package in target.packages):
+        elif reference in _OPTIONAL.values():
+            if any(_OPTIONAL[one] == reference for one in target.packages):
                 yield reference
         elif reference == "UnityEngine.TestRunner":
             yield reference
         elif reference != "UnityEditor.TestRunner":
-            raise ValueError(f"unknown assembly {reference}: not of the package, nor of the stub")
+            raise ValueError(f"unknown assembly {reference}: not of a package, nor of the stub")
 
 
 def _sources(directory: Path, *, top: bool) -> Iterator[Path]:

@@ -35,11 +35,12 @@ Question = tuple[str, bytes]
 
 
 class Probe:
-    """One process. `close` ends it. The library is what it asks, with the JSON and the messages."""
+    """One process. `close` ends it. The library is what it asks, with what that refers to."""
 
     def __init__(self, library: Binary, name: str = JSON, *, full_aot: bool = False) -> None:
         sources = sorted((Path(__file__).parent / name).glob("*.cs"))
-        program = mono.compile_assembly(f"{name}.exe", sources, references=[library])
+        references = list(library.closure())
+        program = mono.compile_assembly(f"{name}.exe", sources, references=references)
         if full_aot:
             program = mono.ahead_of_time(program)
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  # closed with the process

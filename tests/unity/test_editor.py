@@ -16,19 +16,26 @@ _SOURCES = Path(__file__).parent / "editor_tests"
 @cache
 def binary() -> Binary:
     """Compile the tests that need the stage's own inspector, which Unity has not."""
-    names = ("Ros2Gateway.Core", "Ros2Gateway.Unity", "Ros2Gateway.Editor")
     return mono.compile_assembly(
         "EditorTests",
         sorted(_SOURCES.glob("*.cs")),
         references=[
             mono.nunit(),
             *map(package.stub, ("UnityEngine", "UnityEditor", "UnityEngine.TestRunner")),
-            *(package.compiled(name, IN_EDITOR) for name in names),
+            *package.libraries(IN_EDITOR),
+            package.compiled("Ros2Gateway.Editor", IN_EDITOR),
         ],
     )
 
 
-@pytest.mark.parametrize("tests", csharp.parameters("Ros2Gateway.Editor.Tests"))
+EDITOR_TESTS = [
+    parameter
+    for part in ("", "Displays.", "Robots.")
+    for parameter in csharp.parameters(f"Ros2Gateway.{part}Editor.Tests")
+]
+
+
+@pytest.mark.parametrize("tests", EDITOR_TESTS)
 def test_editor(tests, check_csharp):
     check_csharp(tests)
 

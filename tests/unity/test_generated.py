@@ -21,7 +21,8 @@ from tests.unity.probe import Probe, Refusal
 
 pytestmark = pytest.mark.skipif(mono.missing() != "", reason=mono.missing())
 
-CATALOGUE = sorted((package.PACKAGE / "Runtime/Core/Catalogue").glob("*.cs"))
+RUNTIME = package.CLIENT / "Runtime"
+CATALOGUE = RUNTIME / "Messages/MessageCatalogue.cs"
 NOW_NS = 1_700_000_000_123_456_789
 
 
@@ -35,25 +36,23 @@ def definitions(tmp_path_factory):
 
 def runtime():
     """Return the sources that messages need next to themselves."""
-    core = package.PACKAGE / "Runtime" / "Core"
-    pictures = (core / "Pictures" / f"{name}.cs" for name in ("GreyPng", "Inflater"))  # of maps
-    return [*(core / "Json").glob("*.cs"), *pictures, *(core / "Messages").glob("*.cs")]
+    return sorted((RUNTIME / "Json").glob("*.cs"))
 
 
 @pytest.mark.parametrize("write", [files, lambda request: {"All.cs": text(request)}])
 def test_all_types_compile_next_to_the_package(definitions, tmp_path, write):
-    core = package.compiled("Ros2Gateway.Core", package.EDITOR)
+    messages = package.compiled("Ros2Gateway.Messages", package.EDITOR)
     sources = write_texts(tmp_path, write(request_of_everything(definitions)))
-    assert mono.compile_assembly("Mine", sources, references=[core]).path.exists()
+    assert mono.compile_assembly("Mine", sources, references=list(messages.closure())).path.exists()
 
 
 @pytest.fixture(scope="module")
 def probe(definitions, tmp_path_factory):
     """Return the classes of all types without those of the package, and what makes them by name."""
     request = request_of_everything(definitions, complete=True)
-    table = {"MessageTable.cs": table_source(request.catalogue)}
+    table = {"MessageTable.cs": table_source(request.catalogue, ())}
     made = write_texts(tmp_path_factory.mktemp("all"), files(request) | table)
-    probe = Probe(mono.compile_assembly("Mine", sorted([*runtime(), *CATALOGUE, *made])))
+    probe = Probe(mono.compile_assembly("Mine", sorted([*runtime(), CATALOGUE, *made])))
     yield probe
     probe.close()
 

@@ -32,7 +32,7 @@ ENOUGH_BYTES: Final = 256 * 1024 * 1024  # Mono alone takes a fifth
 
 @pytest.fixture(scope="module")
 def decoder():
-    decoder = Probe(package.compiled("Ros2Gateway.Core", package.EDITOR), probe.JPEG)
+    decoder = Probe(package.compiled("Ros2Gateway.Displays.Core", package.EDITOR), probe.JPEG)
     yield decoder
     decoder.close()
 

@@ -9,7 +9,7 @@ from gateway.codec.json import dumps, loads
 from gateway.codec.types import Types
 from gateway_sim.content import Inventor
 from schemas.generate.catalogue import Catalogue
-from schemas.generate.csharp_messages import CSHARP_FOLDER, write
+from schemas.generate.csharp_messages import CSHARP_FOLDER, packaged, write
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from schemas.table import InterfaceRow, Row, Table
 from tests.messages import RandomMessages, to_json
@@ -21,7 +21,8 @@ pytestmark = pytest.mark.skipif(mono.missing() != "", reason=mono.missing())
 
 NOW_NS = 1_700_000_000_123_456_789
 TABLE = Catalogue.of(Table.load(), InstalledDefinitions())
-TABLE_TYPES = [*TABLE.definitions, *(part.name for part in TABLE.parts())]
+TABLE_TYPES = [one.name for one in packaged(TABLE)]
+ROWS = [row for row in TABLE.rows if row.name in TABLE_TYPES]
 
 # Names that C#, the generated classes or their methods have for themselves, and every default.
 AWKWARD = """\
@@ -105,10 +106,8 @@ def probe_of_everything(everything, tmp_path_factory):
     for path, text in write(everything).items():
         (root / path).parent.mkdir(parents=True, exist_ok=True)
         (root / path).write_text(text)
-    core = package.PACKAGE / "Runtime" / "Core"
-    folders = ("Json", "Messages", "Catalogue")
-    sources = [path for folder in folders for path in (core / folder).glob("*.cs")]
-    sources += (core / "Pictures" / f"{name}.cs" for name in ("GreyPng", "Inflater"))  # of maps
+    folders = (package.CLIENT / "Runtime" / name for name in ("Json", "Messages"))
+    sources = [path for folder in folders for path in folder.glob("*.cs")]
     generated = (root / CSHARP_FOLDER).glob("*.cs")
     probe = Probe(mono.compile_assembly("Everything", sorted([*sources, *generated])))
     yield probe
@@ -155,7 +154,7 @@ def test_messages_come_back_without_a_jit_compiler_too(types):
         probe.close()
 
 
-@pytest.mark.parametrize("name", [row.name for row in TABLE.rows])
+@pytest.mark.parametrize("name", [row.name for row in ROWS])
 def test_messages_of_the_mock_system_come_back_as_they_went(name, probe, types):
     values = to_json(Inventor(InstalledDefinitions()).values(name, 3, NOW_NS))
     check_round_trip(probe, types.get(name), values)
@@ -172,7 +171,7 @@ def test_a_new_message_has_the_defaults_of_its_definition(name, probe, types):
 def test_messages_outside_the_table_have_classes_by_the_same_generator(
     everything, probe_of_everything, types, definitions
 ):
-    for name in [*everything.definitions, *(part.name for part in everything.parts())]:
+    for name in (one.name for one in packaged(everything)):
         message_type = types.get(name)
         values = to_json(RandomMessages(definitions, 1, longest=2).message(name))
         check_round_trip(probe_of_everything, message_type, values)
@@ -236,7 +235,7 @@ def test_a_header_without_a_stamp_is_left_to_be_stamped(probe, types):
     assert (stamp["sec"], stamp["nanosec"]) == divmod(NOW_NS, 10**9)
 
 
-@pytest.mark.parametrize("row", TABLE.rows, ids=lambda row: row.name)
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
 def test_a_type_is_known_by_its_number_and_its_short_name(probe, row):
     package_name, _, name = row.name.split("/")
     by_name = probe.ask(f"new:{row.name}")

@@ -23,7 +23,7 @@ def metas(package):
 
 
 def test_the_package_is_complete():
-    assert list(unity_metas.wrong(unity_metas.PACKAGE)) == [], "run python -m tools.unity_metas"
+    assert list(unity_metas.wrong(*unity_metas.PACKAGES)) == [], "run python -m tools.unity_metas"
 
 
 def test_every_asset_and_folder_gets_one_and_what_unity_ignores_none(package):
@@ -54,8 +54,9 @@ def test_a_guid_once_written_stays(package):
 def test_a_meta_without_its_asset_is_removed(package):
     list(unity_metas.update(package))
     (package / "Runtime/Core/A.cs").unlink()
-    assert list(unity_metas.wrong(package)) == ["without an asset: Runtime/Core/A.cs.meta"]
-    assert list(unity_metas.update(package)) == ["removed Runtime/Core/A.cs.meta"]
+    meta = f"{package.name}/Runtime/Core/A.cs.meta"
+    assert list(unity_metas.wrong(package)) == [f"without an asset: {meta}"]
+    assert list(unity_metas.update(package)) == [f"removed {meta}"]
 
 
 def test_a_guid_that_is_there_twice_is_told(package):
@@ -63,5 +64,5 @@ def test_a_guid_that_is_there_twice_is_told(package):
     one, other = package / "package.json.meta", package / "Samples~/One/B.cs.meta"
     other.write_text(one.read_text())
     assert list(unity_metas.wrong(package)) == [
-        "same GUID as Samples~/One/B.cs.meta: package.json.meta"
+        f"same GUID as {package.name}/Samples~/One/B.cs.meta: {package.name}/package.json.meta"
     ]

@@ -17,15 +17,14 @@ _SOURCES = sorted((Path(__file__).parent / "own_messages_tests").glob("*.cs"))
 @cache
 def binary() -> Binary:
     """Compile the tests that use it."""
-    scene = package.PACKAGE / "Tests" / "Unity" / "DisplayScene.cs"
-    names = ("Ros2Gateway.Core", "Ros2Gateway.Unity")
+    scene = package.CLIENT / "Tests/Unity/DisplayScene.cs"
     return mono.compile_assembly(
         "OwnMessagesTests",
         [*_SOURCES, scene],
         references=[
             mono.nunit(),
             *map(package.stub, ("UnityEngine", "UnityEngine.TestRunner")),
-            *(package.compiled(name, IN_EDITOR) for name in names),
+            *package.libraries(IN_EDITOR),
             assembly(IN_EDITOR),
         ],
     )

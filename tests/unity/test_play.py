@@ -16,14 +16,13 @@ _SOURCES = Path(__file__).parent / "play_tests"
 @cache
 def binary() -> Binary:
     """Compile the tests that begin and end a Play, which none within Unity can."""
-    names = ("Ros2Gateway.Core", "Ros2Gateway.Unity")
     return mono.compile_assembly(
         "PlayTests",
         sorted(_SOURCES.glob("*.cs")),
         references=[
             mono.nunit(),
             *map(package.stub, ("UnityEngine", "UnityEngine.TestRunner")),
-            *(package.compiled(name, IN_EDITOR) for name in names),
+            *package.libraries(IN_EDITOR),
         ],
     )
 

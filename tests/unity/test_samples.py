@@ -11,7 +11,9 @@ from tests.unity import csharp, mono, package
 from tests.unity.csharp import IN_EDITOR
 from tests.unity.mono import Binary
 
-SAMPLES = ("Ros2Gateway.Samples.Teleoperation", "Ros2Gateway.Samples.XrTarget")
+SAMPLES = [
+    f"Ros2Gateway.Samples.{name}" for name in ("Topics", "Teleoperation", "XrTarget", "Robot")
+]
 
 _SOURCES = Path(__file__).parent / "sample_tests"
 _STUBS = ("UnityEngine", "UnityEngine.TestRunner", "Unity.InputSystem")
@@ -20,7 +22,6 @@ _STUBS = ("UnityEngine", "UnityEngine.TestRunner", "Unity.InputSystem")
 @cache
 def binary() -> Binary:
     """Compile the samples' tests, which are not part of the package: samples are copied from it."""
-    names = ("Ros2Gateway.Core", "Ros2Gateway.Unity", *SAMPLES)
     toolkit = package.stub("Unity.XR.Interaction.Toolkit")
     return mono.compile_assembly(
         "SampleTests",
@@ -29,7 +30,8 @@ def binary() -> Binary:
             mono.nunit(),
             *map(package.stub, _STUBS),
             toolkit,
-            *(package.compiled(name, IN_EDITOR) for name in names),
+            *package.libraries(IN_EDITOR),
+            *(package.compiled(name, IN_EDITOR) for name in SAMPLES),
         ],
     )
 
@@ -39,9 +41,13 @@ def test_samples(tests, check_csharp):
     check_csharp(tests)
 
 
-def test_every_sample_is_offered_by_the_package_and_says_how_to_start_it():
-    offered = json.loads((package.PACKAGE / "package.json").read_text())["samples"]
-    folders = sorted(path for path in (package.PACKAGE / "Samples~").iterdir() if path.is_dir())
-    assert sorted(package.PACKAGE / sample["path"] for sample in offered) == folders
-    assert all(sample["displayName"] and sample["description"] for sample in offered)
+def test_every_sample_is_offered_by_its_package_and_says_how_to_start_it():
+    offers = [
+        (one, sample)
+        for one in package.PACKAGES
+        for sample in json.loads((one / "package.json").read_text()).get("samples", [])
+    ]
+    folders = sorted(path for path in package.HOME.glob("*/Samples~/*") if path.is_dir())
+    assert sorted(one / sample["path"] for one, sample in offers) == folders
+    assert all(sample["displayName"] and sample["description"] for _, sample in offers)
     assert all((folder / "README.md").exists() for folder in folders)

@@ -10,11 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from schemas.table import Table
-from tests.unity.package import STUB
+from tests.unity.package import CLIENT, DISPLAYS, HOME, PACKAGES, STUB, installed_with
 from tests.unity.unity_yaml import Document, all_fields, documents, links, read_script
-from tools.unity_metas import PACKAGE
-from tools.unity_scenes.__main__ import PREFABS, main
+from tools.unity_scenes.__main__ import main
 from tools.unity_scenes.asset import Asset, Node, quaternion
 
 # Unity's own assets: the same GUIDs and file IDs in every project.
@@ -44,17 +42,18 @@ OWN_MEMBERS = {"m_ObjectHideFlags", "m_GameObject", "m_Enabled", "m_Script", "m_
 
 SOURCES = {
     path.stem: path
-    for folder in (PACKAGE / "Runtime" / "Unity", PACKAGE / "Samples~")
-    for path in folder.rglob("*.cs")
+    for one in PACKAGES
+    for folder in ("Runtime/Unity", "Samples~")
+    for path in (one / folder).rglob("*.cs")
 }
 GUIDS = {
     re.findall(r"^guid: (\w+)$", meta.read_text(), re.MULTILINE)[0]: meta.with_suffix("")
-    for meta in PACKAGE.rglob("*.meta")
+    for meta in HOME.rglob("*.meta")
 }
-BUILDERS = PACKAGE / "Runtime/Unity/Scenes"  # the common parts of both scenes
-SCENES = sorted((PACKAGE / "Samples~").rglob("*.unity"))
-FILES = [*sorted(PREFABS.rglob("*.prefab")), *SCENES]
-ASSETS = sorted([*PACKAGE.rglob("*.mat"), *PACKAGE.rglob("*.asset")])
+BUILDERS = DISPLAYS / "Runtime/Unity/Scenes"  # the common parts of both scenes
+SCENES = sorted((DISPLAYS / "Samples~").rglob("*.unity"))
+FILES = [*sorted(HOME.rglob("*.prefab")), *SCENES]
+ASSETS = sorted([*HOME.rglob("*.mat"), *HOME.rglob("*.asset")])
 
 ints = re.compile(r"-?\d+")
 VALUES = {
@@ -69,24 +68,25 @@ def read(path: Path) -> list[Document]:
     return documents(path.read_text())
 
 
+def package_of(path: Path) -> Path:
+    return HOME / path.relative_to(HOME).parts[0]
+
+
 def test_they_are_up_to_date(capsys):
     assert main(["--check"]) == 0, "run make docs\n" + capsys.readouterr().out
 
 
-def test_every_message_type_has_its_prefabs_and_its_topic():
-    for row in Table.load().rows:
-        package, _, name = row.name.split("/")
-        for folder, direction in (("Subscribers", "subscribe"), ("Publishers", "publish")):
-            path = PREFABS / folder / package / f"{name}.prefab"
-            assert path.exists() == (row.directions in {"both", direction}), path
-            if path.exists():
-                [component] = [d for d in read(path) if d.class_id == MONO_BEHAVIOUR]
-                assert component.members["_type"] == f"'{row.name}'"
-                assert re.fullmatch(r"'(/[a-z0-9_]+)+'", component.members["_topic"])
+def test_parts_name_their_topic_and_type():
+    parts = [path for path in FILES if path.parents[1].name in {"Publishers", "Subscribers"}]
+    assert len(parts) == 12
+    for path in parts:
+        [component] = [d for d in read(path) if d.class_id == MONO_BEHAVIOUR]
+        assert component.members["_type"] == f"'{path.parent.name}/msg/{path.stem}'"
+        assert re.fullmatch(r"'(/[a-z0-9_]+)+'", component.members["_topic"])
 
 
 def test_every_component_that_the_menu_offers_is_in_a_prefab():
-    menus = " ".join(path.read_text() for path in (PACKAGE / "Editor").glob("*Menu.cs"))
+    menus = " ".join(path.read_text() for path in HOME.glob("*/Editor/*Menu.cs"))
     offered = set(re.findall(r"AddComponent<(\w+)>|typeof\((\w+)\)\)", menus))
     names = {one or other for one, other in offered} & set(SOURCES)
     used = {
@@ -100,11 +100,11 @@ def test_every_component_that_the_menu_offers_is_in_a_prefab():
 
 
 def test_the_menu_makes_every_component_of_the_documentations_table():
-    index = (PACKAGE / "Documentation~" / "index.md").read_text()
+    index = (CLIENT / "Documentation~/index.md").read_text()
     (table,) = re.findall(r"^\| Component \|.*\n((?:\|.*\n)+)", index, re.MULTILINE)
     cells = re.findall(r"^\| ([^|-]+) \|", table, re.MULTILINE)
     wanted = {name.strip().replace(" ", "").lower() for cell in cells for name in cell.split(",")}
-    menus = "".join(path.read_text() for path in (PACKAGE / "Editor").glob("*Menu.cs"))
+    menus = "".join(path.read_text() for path in HOME.glob("*/Editor/*Menu.cs"))
     entry = r"\[MenuItem\(Path [^\]]*\]\s+public static void \w+\(MenuCommand \w+\)(.*?)\n {8}\}"
     made = {
         name.removesuffix("s").removesuffix("Display").lower()
@@ -117,7 +117,7 @@ def test_the_menu_makes_every_component_of_the_documentations_table():
 
 
 def test_the_drawing_of_the_tutorial_names_fields_of_the_components():
-    drawing = (PACKAGE.parent / "docs/images/unity-scene.svg").read_text()
+    drawing = (HOME.parent / "docs/images/unity-scene.svg").read_text()
     components = re.findall(r'<g data-component="(\w+)">(.*?)</g>', drawing, re.DOTALL)
     assert len(components) > 5
     for component, group in components:
@@ -139,6 +139,7 @@ def test_everything_refers_to_something():
             elif link.guid and link.guid != URP_LIT:
                 to = GUIDS[link.guid]
                 assert to.exists(), path.name
+                assert package_of(to) in installed_with(package_of(path)), f"{path.name}: {to.name}"
                 if to.suffix != ".cs":
                     assert link.kind == "2"
                     assert link.file_id in {document.file_id for document in read(to)}, path.name

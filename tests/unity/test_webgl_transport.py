@@ -11,7 +11,7 @@ import pytest
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
-from tests.unity import mono
+from tests.unity import mono, package
 from tests.unity.mono import Binary
 from tests.unity.webgl import page
 
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def probe() -> Binary:
-    runtime = mono.ROOT / "unity_client" / "Runtime"
+    runtime = package.CLIENT / "Runtime"
     # The declarations for wasm are what the page's stand-in replaces.
     sources = [
         *sorted((runtime / "Core" / "Transport").glob("ITransport*.cs")),

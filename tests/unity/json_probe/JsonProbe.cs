@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 using System;
+using System.Collections.Generic;
 using System.Globalization;
 using System.IO;
 using System.Text;
@@ -18,6 +19,7 @@ internal static class JsonProbe
 
     private static readonly JsonReader OfJson = new JsonReader();
     private static readonly JsonReader OfCbor = new CborReader();
+    private static readonly Dictionary<string, Type> Classes = new Dictionary<string, Type>();
     private static JsonReader Reader = OfJson;
     private static readonly JsonWriter Writer = new JsonWriter();
 
@@ -138,7 +140,7 @@ internal static class JsonProbe
             case "strings": Writer.Values(Reader.ReadStrings()); Reader.End(); break;
             default:
                 int colon = operation.IndexOf(':'); // read:TYPE takes it over, new:TYPE has the defaults
-                IMessage message = MessageCatalogue.Create(operation.Substring(colon + 1));
+                IMessage message = New(operation.Substring(colon + 1));
                 if (operation.StartsWith("again:", StringComparison.Ordinal))
                 {
                     // the length of a first message, that message, and the one that is read over it
@@ -155,6 +157,22 @@ internal static class JsonProbe
                 message.Write(Writer);
                 break;
         }
+    }
+
+    // Of all classes of the assembly: nobody registers them here.
+    private static IMessage New(string type)
+    {
+        if (Classes.Count == 0)
+        {
+            foreach (Type one in typeof(MessageCatalogue).Assembly.GetTypes())
+            {
+                if (typeof(IMessage).IsAssignableFrom(one) && one.IsSerializable)
+                {
+                    Classes[((IMessage)Activator.CreateInstance(one)).RosType] = one;
+                }
+            }
+        }
+        return (IMessage)Activator.CreateInstance(Classes[MessageCatalogue.Resolve(type)]);
     }
 
     private static int[] Widened(byte[] octets)

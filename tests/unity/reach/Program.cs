@@ -9,7 +9,7 @@ namespace Ros2Gateway.Reach
 {
     /// <summary>
     /// Prints the messages that code refers to, as a linker follows it: <c>reach ROOT.dll ...</c>. Everything in the
-    /// assemblies that are named is a root, except that of Ros2Gateway.Unity only its components are.
+    /// assemblies that are named is a root, except that of those for scenes only their components are.
     /// </summary>
     /// <remarks>
     /// It keeps more than Unity's linker does: of a type that is mentioned all constructors and virtual methods. So
@@ -22,6 +22,8 @@ namespace Ros2Gateway.Reach
 
         private static readonly Dictionary<short, OpCode> Codes = typeof(OpCodes).GetFields()
             .Select(field => (OpCode)field.GetValue(null)).ToDictionary(code => code.Value);
+
+        private static readonly string[] OfScenes = { "Ros2Gateway.Unity", "Ros2Gateway.Displays", "Ros2Gateway.Robots" };
 
         private static readonly HashSet<Type> Types = new HashSet<Type>();
         private static readonly HashSet<MethodBase> Methods = new HashSet<MethodBase>();
@@ -51,7 +53,7 @@ namespace Ros2Gateway.Reach
         private static bool IsRoot(Type type)
         {
             return !type.ContainsGenericParameters
-                && (type.Assembly.GetName().Name != "Ros2Gateway.Unity" || IsComponent(type));
+                && (!OfScenes.Contains(type.Assembly.GetName().Name) || IsComponent(type));
         }
 
         private static bool IsComponent(Type type)

@@ -1,127 +1,92 @@
 // SPDX-License-Identifier: Apache-2.0
 using System;
+using System.Collections.Concurrent;
 using System.Collections.Generic;
 using System.Collections.Immutable;
 using System.IO;
+using System.Linq;
 using System.Text;
+using System.Text.Json;
 using Microsoft.CodeAnalysis;
 using Microsoft.CodeAnalysis.CSharp;
+using Microsoft.CodeAnalysis.Emit;
 
 namespace Ros2Gateway.Tests.Roslyn
 {
     /// <summary>
-    /// Has Roslyn check assemblies as Unity 2021.3 has it compile them, C# 9, and prints what it says, warnings too. Emits
-    /// nothing. Reads lines of a word and a value: an assembly begins with its name, a reference is an earlier one.
+    /// Compiles assemblies with Roslyn as Unity 2021.3 does, C# 9, warnings being errors. It reads a request per line, as JSON,
+    /// and answers each with a line: what the compiler says. Files and libraries that were read once stay in memory.
     /// </summary>
     internal static class Program
     {
-        private static readonly Dictionary<string, MetadataReference> Checked = new Dictionary<string, MetadataReference>();
-        private static readonly List<MetadataReference> Framework = new List<MetadataReference>();
+        private static readonly ConcurrentDictionary<string, MetadataReference> Libraries = new();
+        private static readonly ConcurrentDictionary<(string, string), SyntaxTree> Trees = new();
 
-        private static int Main()
+        // 1701, 1702: of a library made for another version of the framework, which csc leaves out as well.
+        // 1573: a parameter's meaning may be in the summary
+        private static readonly string[] Suppressed = { "CS1573", "CS1701", "CS1702" };
+
+        private static void Main()
         {
-            foreach (string library in Directory.GetFiles(
-                Path.GetDirectoryName(typeof(object).Assembly.Location), "*.dll"))
-            {
-                if (IsManaged(library))
-                {
-                    Framework.Add(MetadataReference.CreateFromFile(library));
-                }
-            }
-            Description one = null;
             string line;
             while ((line = Console.In.ReadLine()) != null)
             {
-                int space = line.IndexOf(' ');
-                string value = line.Substring(space + 1);
-                switch (line.Substring(0, space))
-                {
-                    case "assembly":
-                        Check(one);
-                        one = new Description { Name = value };
-                        break;
-                    case "source":
-                        one.Sources.Add(value);
-                        break;
-                    case "define":
-                        one.Defines.Add(value);
-                        break;
-                    case "reference":
-                        one.References.Add(Checked[value]);
-                        break;
-                    case "library":
-                        one.References.Add(MetadataReference.CreateFromFile(value));
-                        break;
-                    case "suppress":
-                        one.Diagnostics[value] = ReportDiagnostic.Suppress;
-                        break;
-                    default:
-                        throw new InvalidOperationException("unknown line: " + line);
-                }
-            }
-            Check(one);
-            return 0;
-        }
-
-        private static bool IsManaged(string library)
-        {
-            try
-            {
-                System.Reflection.AssemblyName.GetAssemblyName(library);
-                return true;
-            }
-            catch (BadImageFormatException)
-            {
-                return false;
+                Request request = JsonSerializer.Deserialize<Request>(line);
+                Console.WriteLine(JsonSerializer.Serialize(Compile(request).Select(one => one.ToString())));
             }
         }
 
-        private static void Check(Description one)
+        private static IEnumerable<Diagnostic> Compile(Request request)
         {
-            if (one == null)
-            {
-                return;
-            }
-            // Diagnose: a cref that leads nowhere is a warning.
-            CSharpParseOptions parsing = new CSharpParseOptions(
-                LanguageVersion.CSharp9, DocumentationMode.Diagnose, SourceCodeKind.Regular, one.Defines);
-            List<SyntaxTree> trees = new List<SyntaxTree>();
-            foreach (string source in one.Sources)
-            {
-                trees.Add(CSharpSyntaxTree.ParseText(File.ReadAllText(source), parsing, source, Encoding.UTF8));
-            }
-            one.References.AddRange(Framework);
             CSharpCompilation compilation = CSharpCompilation.Create(
-                one.Name, trees, one.References, new CSharpCompilationOptions(OutputKind.DynamicallyLinkedLibrary)
-                    .WithGeneralDiagnosticOption(ReportDiagnostic.Error)
-                    .WithSpecificDiagnosticOptions(one.Diagnostics));
-            ImmutableArray<Diagnostic> diagnostics = compilation.GetDiagnostics();
-            foreach (Diagnostic diagnostic in diagnostics)
+                Path.GetFileNameWithoutExtension(request.Out),
+                request.Sources.AsParallel().AsOrdered().Select(source => Parsed(source, request.Defines)).ToArray(),
+                request.References.Select(path => Libraries.GetOrAdd(path, one => MetadataReference.CreateFromFile(one))),
+                new CSharpCompilationOptions(
+                    request.Out.EndsWith(".exe") ? OutputKind.ConsoleApplication : OutputKind.DynamicallyLinkedLibrary,
+                    optimizationLevel: OptimizationLevel.Release,
+                    deterministic: true,
+                    generalDiagnosticOption: ReportDiagnostic.Error,
+                    specificDiagnosticOptions: Suppressed.Concat(request.Suppressed)
+                        .ToDictionary(code => code, _ => ReportDiagnostic.Suppress)));
+            using MemoryStream program = new(), symbols = new();
+            EmitResult result = compilation.Emit(
+                program, symbols, options: new EmitOptions(debugInformationFormat: DebugInformationFormat.PortablePdb));
+            if (result.Success)
             {
-                if (diagnostic.Severity == DiagnosticSeverity.Error)
-                {
-                    Console.WriteLine(one.Name + ": " + diagnostic);
-                }
+                File.WriteAllBytes(request.Out, program.ToArray());
+                File.WriteAllBytes(Path.ChangeExtension(request.Out, ".pdb"), symbols.ToArray());
             }
-            Checked[one.Name] = compilation.ToMetadataReference();
+            IEnumerable<Diagnostic> errors = result.Diagnostics.Where(one => one.Severity == DiagnosticSeverity.Error);
+            return request.Style == "" ? errors : errors.Concat(Style.Check(compilation, request.Style));
         }
 
-        private sealed class Description
+        // A file without conditions is the same for every target.
+        private static SyntaxTree Parsed(string path, string[] defines)
         {
-            internal string Name;
-            internal readonly List<string> Sources = new List<string>();
-            internal readonly List<string> Defines = new List<string>();
-            internal readonly List<MetadataReference> References = new List<MetadataReference>();
+            string text = File.ReadAllText(path);
+            string[] symbols = text.Contains("#if") ? defines : Array.Empty<string>();
+            // Diagnose: a cref that leads nowhere is a warning.
+            return Trees.GetOrAdd((path + "\n" + text, string.Join(" ", symbols)), _ => CSharpSyntaxTree.ParseText(
+                text,
+                new CSharpParseOptions(
+                    LanguageVersion.CSharp9, DocumentationMode.Diagnose, SourceCodeKind.Regular, symbols),
+                path,
+                Encoding.UTF8));
+        }
 
-            // 1701, 1702: of a library made for another version of the framework, which csc leaves out as well.
-            // 1573, 1591: of what has no comment, which is checked elsewhere
-            internal readonly Dictionary<string, ReportDiagnostic> Diagnostics = new Dictionary<string, ReportDiagnostic>
-            {
-                { "CS1573", ReportDiagnostic.Suppress },
-                { "CS1591", ReportDiagnostic.Suppress },
-                { "CS1701", ReportDiagnostic.Suppress },
-                { "CS1702", ReportDiagnostic.Suppress },
-            };
+        private sealed class Request
+        {
+            /// <summary>The file to write, with its symbols next to it.</summary>
+            public string Out { get; set; }
+
+            public string[] Sources { get; set; }
+            public string[] Defines { get; set; }
+            public string[] References { get; set; }
+            public string[] Suppressed { get; set; }
+
+            /// <summary>An .editorconfig to check against. Empty for none.</summary>
+            public string Style { get; set; }
         }
     }
 }

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Final
 
 HERE: Final = Path(__file__).parent
-LIBRARY: Final = HERE.parents[2] / "unity_client/Runtime/Unity/WebGL/Ros2Gateway.jslib"
+LIBRARY: Final = HERE.parents[2] / "unity_client/client/Runtime/Unity/WebGL/Ros2Gateway.jslib"
 
 CONNECTING: Final = 0
 OPEN: Final = 1

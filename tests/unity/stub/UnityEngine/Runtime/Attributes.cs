@@ -254,3 +254,16 @@ namespace UnityEngine
         public RuntimeInitializeLoadType loadType { get; private set; }
     }
 }
+
+namespace UnityEngine.Scripting.APIUpdating
+{
+    [AttributeUsage(AttributeTargets.Class | AttributeTargets.Struct | AttributeTargets.Enum
+        | AttributeTargets.Interface | AttributeTargets.Delegate)]
+    public class MovedFromAttribute : Attribute
+    {
+        public MovedFromAttribute(
+            bool autoUpdateAPI, string sourceNamespace = null, string sourceAssembly = null, string sourceClassName = null)
+        {
+        }
+    }
+}

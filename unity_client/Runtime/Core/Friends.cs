@@ -1,5 +1,0 @@
-// SPDX-License-Identifier: Apache-2.0
-using System.Runtime.CompilerServices;
-
-[assembly: InternalsVisibleTo("Ros2Gateway.Unity")]
-[assembly: InternalsVisibleTo("Ros2Gateway.Core.Tests")]

@@ -1,0 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
+using System.Runtime.CompilerServices;
+
+[assembly: InternalsVisibleTo("Ros2Gateway.Robots")]
