@@ -16,6 +16,8 @@ from typing import Final, NamedTuple
 
 # Definitions that come with the gateway: of packages that robots have, and PyPI's wheels lack.
 SHIPPED: Final = Path(__file__).parent / "definitions"
+# The definitions of ROS itself, for a machine without ROS.
+STANDARD: Final = Path(__file__).parent / "standard"
 KINDS: Final = ("msg", "srv", "action")
 MAX_FOLDERS: Final = 20_000  # half a second. A home directory has more
 

@@ -10,6 +10,8 @@ from schemas.generate.csharp_text import ClassNames
 # Unity keeps no mark in such a file, and its owner may want other references: it is written once.
 DEFINITIONS: Final = "*.asmdef"
 
+REFERENCES: Final = ["Ros2Gateway.Json", "Ros2Gateway.Messages"]
+
 _REGISTRATION: Final = """\
 %(top)s
 using UnityEngine;
@@ -38,7 +40,7 @@ namespace Ros2Gateway.Messages
 
 def assembly_definition(name: str) -> dict[str, str]:
     """Return the file of an assembly that refers to the package's classes and to Unity."""
-    content = {"name": name, "references": ["Ros2Gateway.Core"], "autoReferenced": True}
+    content = {"name": name, "references": REFERENCES, "autoReferenced": True}
     return {f"{name}.asmdef": json.dumps(content, indent=4) + "\n"}
 
 

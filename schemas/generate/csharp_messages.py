@@ -6,7 +6,7 @@ services and actions are ``SetBoolRequest``, ``FibonacciGoal`` and so on. Each r
 itself as JSON, without reflection.
 """
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Final
 
 from schemas.definition import Constant, Definition, Field, FieldType
@@ -25,7 +25,7 @@ from schemas.generate.csharp_text import (
     text_literal,
 )
 
-CSHARP_FOLDER: Final = "unity_client/Runtime/Core/Messages/Generated"
+CSHARP_FOLDER: Final = "unity_client/client/Runtime/Messages/Generated"
 
 _READS: Final = {
     "bool": "Bool",
@@ -44,7 +44,16 @@ _READS: Final = {
     "string": "String",
     "wstring": "String",
 }
+# A robot of ROS 2 has no use for them. A project can generate them.
+_OF_ROS_1: Final = ("actionlib_msgs", "stereo_msgs")
+# The Inspector stores a publisher's message with the name of its assembly, which was another one.
+_MOVED: Final = (
+    "#if UNITY_2021_3_OR_NEWER",
+    '[UnityEngine.Scripting.APIUpdating.MovedFrom(false, null, "Ros2Gateway.Core")]',
+    "#endif",
+)
 _INHERITED: Final = ("/// <inheritdoc/>",)
+_LINE: Final = 112  # columns of a line in a class, which is indented
 _KINDS: Final = {"srv": "Service", "action": "Action"}
 
 # The gateway stamps a header that has no stamp. A stamp of 0 stays 0.
@@ -55,8 +64,8 @@ A stamp of 0 that was read, or assigned (<c>header.stamp = new TimeMsg()</c>), s
 _UNSET: Final = (
     ["private BuiltinInterfaces.TimeMsg _unset; // what stamp is until it is read or assigned"],
     [
-        *("/// <summary>A header that the gateway will stamp.</summary>", "public HeaderMsg()"),
-        *("{", "    _unset = this.stamp;", "}"),
+        "/// <summary>A header that the gateway will stamp.</summary>",
+        "public HeaderMsg() => _unset = this.stamp;",
     ],
 )
 
@@ -64,12 +73,19 @@ _UNSET: Final = (
 def write(catalogue: Catalogue) -> dict[str, str]:
     """Return the file of each package, and that of the list of message types."""
     purposes = catalogue.purposes()
-    files = {f"{CSHARP_FOLDER}/MessageTable.cs": table_source(catalogue)}
+    classes = packaged(catalogue)
+    names = [one.name for one in classes if "/msg/" in one.name]
+    files = {f"{CSHARP_FOLDER}/MessageTable.cs": table_source(catalogue, names)}
     top = f"// SPDX-License-Identifier: Apache-2.0\n{head(GENERATED)}"
-    for package, own in by_package(catalogue.messages()).items():
-        text = file_of([namespace_of(package, own, purposes)], top)
+    for package, own in by_package(classes).items():
+        text = file_of([namespace_of(package, own, purposes, _MOVED)], top)
         files[f"{CSHARP_FOLDER}/{namespace(package)}.cs"] = text
     return files
+
+
+def packaged(catalogue: Catalogue) -> list[Definition]:
+    """Return the messages whose classes come with the Unity package."""
+    return [one for one in catalogue.messages() if one.name.split("/")[0] not in _OF_ROS_1]
 
 
 def file_of(namespaces: Iterable[str], top: str) -> str:
@@ -79,11 +95,20 @@ def file_of(namespaces: Iterable[str], top: str) -> str:
 
 
 def namespace_of(
-    package: str, definitions: Iterable[Definition], purposes: Mapping[str, str]
+    package: str,
+    definitions: Iterable[Definition],
+    purposes: Mapping[str, str],
+    attributes: Sequence[str] = (),
 ) -> str:
-    """Return the name space of a package with the classes of some of its types."""
+    """Return the name space of a package with the classes of some of its types.
+
+    *attributes* are lines before each class of a message.
+    """
     names = ClassNames(package)
-    classes = [_class(one, names, purposes.get(one.name)) for one in definitions]
+    classes = [
+        _class(one, names, purposes.get(one.name), attributes if "/msg/" in one.name else ())
+        for one in definitions
+    ]
     body = "\n\n".join("\n".join(_indented(lines)) for lines in classes)
     return f"namespace Ros2Gateway.Messages.{namespace(package)}\n{{\n{body}\n}}\n"
 
@@ -92,7 +117,9 @@ def _indented(lines: Iterable[str]) -> list[str]:
     return [f"    {line}" if line else line for line in lines]
 
 
-def _class(definition: Definition, names: ClassNames, purpose: str | None) -> list[str]:
+def _class(
+    definition: Definition, names: ClassNames, purpose: str | None, attributes: Sequence[str]
+) -> list[str]:
     own = names.own(definition.name)
     members = {field.name: field_name(field.name, own) for field in definition.fields}
     blocks = [
@@ -111,6 +138,7 @@ def _class(definition: Definition, names: ClassNames, purpose: str | None) -> li
     text = "\n\n".join(part for part in parts if part) or f"{definition.name}."
     return [
         *summary(escaped(text) + (f"\n\n{remark}" if remark else "")),
+        *attributes,
         "[Serializable]",
         f"public sealed class {own} : IMessage",
         "{",
@@ -166,7 +194,7 @@ def _default(field: Field, element: str) -> str:
     kind = field.type
     if not kind.is_array:
         if not kind.is_primitive:
-            return f" = new {element}()"
+            return " = new()"
         if field.default is None or isinstance(field.default, tuple):
             return ' = ""' if element == "string" else ""
         return f" = {literal(kind.base, field.default)}"
@@ -184,16 +212,16 @@ def _default(field: Field, element: str) -> str:
 
 
 def _member_names(definition: Definition) -> list[str]:
-    start = "private static readonly JsonMembers Members = new JsonMembers("
-    if not definition.fields:
-        return [f"{start});"]
-    names = [f"    {text_literal(field.name)}," for field in definition.fields]
-    names[-1] = f"{names[-1][:-1]});"
-    return [start, *names]
+    start = "private static readonly JsonMembers Members = new("
+    names = [text_literal(field.name) for field in definition.fields]
+    line = f"{start}{', '.join(names)});"
+    if len(line) <= _LINE:
+        return [line]
+    return [start, *(f"    {name}," for name in names[:-1]), f"    {names[-1]});"]
 
 
 def _ros_type() -> list[str]:
-    return [*_INHERITED, "public string RosType", "{", "    get { return Type; }", "}"]
+    return [*_INHERITED, "public string RosType => Type;"]
 
 
 def _read(definition: Definition, members: Mapping[str, str], names: ClassNames) -> list[str]:
@@ -231,7 +259,7 @@ def _read_field(kind: FieldType, member: str, names: ClassNames) -> str:
     element = names[kind.base]
     if kind.is_array:
         return f"{member} = NestedMessages.Read({member}, reader, () => new {element}(){length});"
-    return f"({member} ?? ({member} = new {element}())).Read(reader);"
+    return f"({member} ??= new {element}()).Read(reader);"
 
 
 def _write(definition: Definition, members: Mapping[str, str]) -> list[str]:
