@@ -12,6 +12,7 @@ class TopicInfo:
     types: tuple[str, ...]  # pkg/msg/Name
     publishers: tuple[str, ...]  # full node names, one entry per endpoint, sorted
     subscribers: tuple[str, ...]
+    is_latched: bool = False  # its publishers keep messages for late subscribers
 
 
 @dataclass(frozen=True, slots=True)

@@ -72,6 +72,7 @@ class Qos:
     deadline_ns: int | None = None
     lifespan_ns: int | None = None
     lease_ns: int | None = None  # of liveliness: for how long a publisher may give no sign
+    is_manual: bool = False  # of an offer: the sign is a message or a call, MANUAL_BY_TOPIC
 
 
 # If a transient-local publisher keeps messages for at most this time, late subscribers do not need
@@ -132,6 +133,10 @@ class RosSubscription(LateReader, Protocol):
     @property
     def qos(self) -> Qos:
         """The profile in force, with nothing left to adopt. It may change with the publishers."""
+
+    @property
+    def offers(self) -> Sequence[Qos]:
+        """The offers of the publishers of its type now, as far as they are known."""
 
     @property
     def lost(self) -> int:
@@ -216,10 +221,7 @@ class Diagnosis(Protocol):
         """Return what is wrong with ROS itself. Ask every few seconds, or a hang is not found."""
 
     def shared_names(self) -> Sequence[str]:
-        """Return the full names that several nodes have had for a while, sorted.
-
-        A node that was killed stays in the graph next to its successor, and does not count.
-        """
+        """Return the full names that several nodes have had for a while, sorted."""
 
     def entity_count(self) -> int:
         """Count the open entities of this port, of all kinds."""
@@ -231,6 +233,10 @@ class RosGraph(Protocol):
     @property
     def distro(self) -> str:
         """The ROS distribution, such as ``jazzy``."""
+
+    @property
+    def network(self) -> Mapping[str, str | int]:
+        """The reach of its discovery: ``domain_id``, ``rmw``, ``discovery``, if it has any."""
 
     def now_ns(self) -> int:
         """ROS time in nanoseconds (simulated time if ``use_sim_time`` is set)."""
@@ -247,6 +253,10 @@ class RosGraph(Protocol):
 
 class Source(RosGraph, Protocol):
     """The robot, or its stand-in, that the gateway serves. An object may be its own parts."""
+
+    @property
+    def refusal(self) -> str | None:
+        """The answer to requests for what it has not, if one sentence fits all of them."""
 
     @property
     def publishing(self) -> Publishing | None:

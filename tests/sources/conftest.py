@@ -2,6 +2,8 @@
 """ROS for tests, real and fake, each with the world around it."""
 
 import contextlib
+import os
+import time
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -9,9 +11,15 @@ from typing import Any, Final, NamedTuple, TypeVar
 
 import pytest
 
+from gateway.sources.options import ZENOH_RMW
 from gateway.sources.rclpy import RosOptions, open_ros
 from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.port import RclpyRos
+from gateway.sources.recording.options import PlayOptions
+from gateway.sources.recording.port import RecordingSource
+from gateway.sources.recording.recording import Recording
+from gateway.sources.recording.tracks import Recorded as Played
+from gateway.sources.recording.tracks import Track
 from gateway.sources.source import Qos
 from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions
@@ -59,6 +67,26 @@ class Recorder(NamedTuple):
         self.add_publisher(topic, type_name)
 
 
+class Player(NamedTuple):
+    """The world of a recording that is played from files, which here come as it goes."""
+
+    source: RecordingSource
+    system_ns: Callable[[], int] = time.time_ns  # its own time is that of the recording
+
+    def add_publisher(self, topic: str, type_name: str, _: Qos | None = None) -> Any:
+        track = Track(topic, type_name)
+        self.source._add(track)
+
+        def publish(cdr: bytes) -> None:
+            self.source._play([Played(time.time_ns(), track, cdr)])
+
+        return SimpleNamespace(publish=publish)
+
+    def add_described_publisher(self, topic: str, type_name: str, text: str) -> None:
+        self.source._carried[type_name] = parse_definition(type_name, text)
+        self.add_publisher(topic, type_name)
+
+
 @dataclass(frozen=True)
 class Robot:
     """The port under test and the world around it."""
@@ -80,9 +108,18 @@ def outside() -> Iterator[Outside]:
 
 
 PARTS: Final = ("publishing", "services", "actions", "diagnosis")
+# Zenoh keeps no publisher and subscription apart, also below rclpy
+IS_ZENOH: Final = os.environ.get("RMW_IMPLEMENTATION") == ZENOH_RMW
+needs_qos = pytest.mark.skipif(IS_ZENOH, reason=f"{ZENOH_RMW} has no such QoS")
+OF_RCLPY: Final = PARTS if IS_ZENOH else (*PARTS, "qos")
 SOURCES: Final[Mapping[str, Sequence[str]]] = {
-    **dict.fromkeys(("fake", "rclpy", "made"), PARTS),
+    "fake": (*PARTS, "qos"),
+    "rclpy": OF_RCLPY,
+    # of a package that is not installed, for which Fast DDS is needed
+    **({} if IS_ZENOH else {"made": OF_RCLPY}),
     "replayed": (),
+    "recording": (),  # its only services are those of the player
+    "zenoh": PARTS,
 }
 
 
@@ -99,7 +136,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 async def robot(request: pytest.FixtureRequest) -> AsyncIterator[Robot]:
     async with contextlib.asynccontextmanager(_open_robot)(request) as robot:
         parts = tuple(part for part in PARTS if getattr(robot.ros, part) is not None)
-        assert parts == SOURCES[request.param]
+        able = tuple(each for each in SOURCES[request.param] if each != "qos")
+        assert parts == able or request.param == "recording"
         yield robot
 
 
@@ -111,6 +149,17 @@ async def _open_robot(request: pytest.FixtureRequest) -> AsyncIterator[Robot]:
     if request.param == "replayed":
         replayed = ReplaySource({})
         yield Robot(replayed, Recorder(replayed))
+        return
+    if request.param == "recording":
+        source = RecordingSource(Recording([]), PlayOptions(), InstalledDefinitions())
+        with contextlib.closing(source):
+            yield Robot(source, Player(source))
+        return
+    if request.param == "zenoh":
+        from tests.sources.zenoh.conftest import open_robot
+
+        with open_robot() as (source, world):
+            yield Robot(source, world)
         return
     outside = request.getfixturevalue("outside")
     if request.param == "made":

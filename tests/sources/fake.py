@@ -16,21 +16,23 @@ from gateway.faults import Fault
 from gateway.sources.actions import GoalRequest
 from gateway.sources.graph import Graph, ServerInfo, TopicInfo
 from gateway.sources.guard import Guard
-from gateway.sources.rclpy.name_checks import (
+from gateway.sources.name_checks import (
     TypeKind,
     check_action,
     check_service,
     check_topic,
     split_type,
 )
-from gateway.sources.rclpy.node_definitions import NodeDefinitions, TypeHolder
-from gateway.sources.rclpy.options import RosOptions, check_room
-from gateway.sources.rclpy.qos import (
+from gateway.sources.node_definitions import NodeDefinitions, TypeHolder
+from gateway.sources.options import RosOptions, check_room
+from gateway.sources.qos import (
     Endpoint,
     adopt,
     complete_offer,
     gone,
+    is_latched,
     is_same_request,
+    offered,
     unmatched_publishers,
     unmatched_subscribers,
 )
@@ -120,7 +122,7 @@ class FakeSubscription:
     node: str
     id: str = field(init=False)
     qos: Qos = field(init=False)
-    offers: list[Endpoint] = field(init=False)
+    matched: list[Endpoint] = field(init=False)
     waiting: deque[Sample] = field(default_factory=deque)
     reported: list[TopicEvent] = field(default_factory=list)
     is_scheduled: bool = False
@@ -130,8 +132,8 @@ class FakeSubscription:
     def __post_init__(self) -> None:
         self.ros.subscribed += 1
         self.id = f"{self.ros.subscribed:032x}"
-        self.offers = self.matching()
-        self.qos = adopt(self.asked, self.offers)
+        self.matched = self.matching()
+        self.qos = adopt(self.asked, self.matched)
 
     @property
     def publishers(self) -> int:
@@ -151,6 +153,10 @@ class FakeSubscription:
             self.ros.subscriptions.remove(self)
             self.ros.changed()
 
+    @property
+    def offers(self) -> list[Qos]:
+        return offered(self.matching())
+
     def matching(self) -> list[Endpoint]:
         return [o for o in self.ros.offers(self.topic) if o.type_name == self.type_name]
 
@@ -161,7 +167,7 @@ class FakeSubscription:
 
     def follow(self) -> None:
         offers = self.matching()
-        before, self.offers = self.offers, offers
+        before, self.matched = self.matched, offers
         for event in gone(self.topic, before, offers):
             if self in self.ros.subscriptions:
                 self.on_event(event)
@@ -280,9 +286,15 @@ class FakeRos:
 
     services = actions = diagnosis = publishing
 
+    refusal = None
+
     @property
     def distro(self) -> str:
         return "jazzy"
+
+    @property
+    def network(self) -> Mapping[str, str | int]:
+        return {"domain_id": 0, "rmw": "rmw_fastrtps_cpp", "discovery": "SUBNET"}
 
     def faults(self) -> Sequence[Fault]:
         return self.found
@@ -395,6 +407,7 @@ class FakeRos:
                 tuple(sorted({e.type_name for e in endpoints if e.topic == name})),
                 tuple(sorted(p.node for p in self.publishers if p.topic == name)),
                 tuple(sorted(s.node for s in self.subscriptions if s.topic == name)),
+                is_latched([p.qos for p in self.publishers if p.topic == name]),
             )
             for name in sorted({endpoint.topic for endpoint in endpoints})
         )

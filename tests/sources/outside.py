@@ -8,11 +8,11 @@ from rclpy.context import Context
 from rclpy.node import Node
 
 from gateway.sources.actions import GoalRequest
+from gateway.sources.qos import adopt, complete_offer
 from gateway.sources.rclpy.executor import ExecutorThread
 from gateway.sources.rclpy.interfaces import message_class
 from gateway.sources.rclpy.made_types.classes import MadeTypes
 from gateway.sources.rclpy.profile import to_profile
-from gateway.sources.rclpy.qos import adopt, complete_offer
 from gateway.sources.services import ServiceRequest
 from gateway.sources.source import Qos, Sample
 from schemas.definition_text import parse_definition

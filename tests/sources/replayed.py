@@ -7,7 +7,7 @@ import itertools
 import time
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from gateway.config.model import Config
 from gateway.sources.graph import Graph, TopicInfo
@@ -42,6 +42,11 @@ class Subscription:
     lost: int = 0
     incompatible: tuple[TopicEvent, ...] = ()
 
+    @property
+    def offers(self) -> tuple[Qos, ...]:
+        """The offers of the robot."""
+        return (self.qos,)
+
     def join_late(self, _: OnSamples) -> "Subscription":
         """Subscribe once more. This recording keeps nothing for late subscribers."""
         return replace(self, topic="")
@@ -63,6 +68,8 @@ class ReplaySource:
 
     publishing = services = actions = diagnosis = None
     distro = "replay"
+    network: Final[Mapping[str, str | int]] = {}
+    refusal = None
 
     def __init__(self, definitions: Mapping[str, str]) -> None:
         self.carried = {name: parse_definition(name, text) for name, text in definitions.items()}

@@ -25,6 +25,7 @@ from tests.sources.conftest import Robot
 from tests.sources.fake import FakeRos
 
 pytestmark = pytest.mark.parts("publishing", "diagnosis")
+MATCHES_QOS = pytest.mark.parts("publishing", "diagnosis", "qos")  # Zenoh lets all QoS match
 
 STRING = "std_msgs/msg/String"
 INT32 = "std_msgs/msg/Int32"
@@ -263,6 +264,7 @@ async def test_briefly_kept_samples_are_nothing_to_adopt(robot: Robot) -> None:
     await eventually(lambda: adopting.qos.durability == "transient_local")
 
 
+@MATCHES_QOS
 async def test_a_publisher_hears_of_subscriptions_that_get_nothing_once(robot: Robot) -> None:
     reasons, publisher = advertise(robot, "/map", Qos(durability="volatile"))
     subscribe(robot, "/map", qos=LATCHED)  # of the gateway: that one is told itself
@@ -320,6 +322,7 @@ async def test_the_gateways_own_subscriptions_are_nobody_who_joins(robot, topic)
     assert robot.ros.publishing.readers(topic) == frozenset()
 
 
+@MATCHES_QOS
 async def test_no_subscription_is_told_of_after_close(robot: Robot) -> None:
     reasons, publisher = advertise(robot, "/map", Qos(durability="volatile"))
     publisher.close()
@@ -394,6 +397,8 @@ async def test_latched_samples_come_once_while_other_publishers_come_and_go(robo
     publisher = robot.world.add_publisher("/map", INT32, LATCHED)
     values = itertools.count()
     received, subscription = subscribe(robot, "/map")
+    # Over Zenoh, the moment in which both find each other may cost the first messages
+    await eventually(lambda: subscription.publishers == 1)
 
     async def publish_and_see() -> None:
         for _ in range(3):
@@ -456,6 +461,25 @@ async def test_the_profile_stays_when_the_last_publisher_goes(robot: Robot) -> N
     assert subscription.qos.reliability == "best_effort"
 
 
+async def test_a_subscription_has_what_each_publisher_offers(robot: Robot) -> None:
+    _, subscription = subscribe(robot, "/count")
+    _, of_another_type = subscribe(robot, "/text")
+    assert list(subscription.offers) == []
+    profiles = [
+        Qos("reliable", "transient_local", deadline_ns=2_000_000_000, lifespan_ns=9_000_000_000),
+        Qos("best_effort", "volatile"),
+    ]
+    for qos in profiles:
+        robot.world.add_publisher("/count", INT32, qos)
+    robot.world.add_publisher("/text", STRING)
+    await eventually(lambda: len(subscription.offers) == 2)
+    await eventually(lambda: bool(nodes_publishing(robot, "/text")))
+    assert list(of_another_type.offers) == []
+    offers = [replace(each, depth=None, history=None) for each in subscription.offers]
+    assert sorted(offers, key=str) == sorted(profiles, key=str)
+
+
+@MATCHES_QOS
 async def test_an_offer_that_cannot_match_is_told_once_in_words(robot: Robot) -> None:
     received, subscription = subscribe(robot, "/scan", qos=Qos(reliability="reliable"))
     publisher = robot.world.add_publisher("/scan", INT32, BEST_EFFORT)
@@ -473,6 +497,7 @@ async def test_an_offer_that_cannot_match_is_told_once_in_words(robot: Robot) ->
     assert subscription.qos.reliability == "reliable"
 
 
+@MATCHES_QOS
 async def test_an_offer_that_stands_already_is_told_after_subscribing(robot: Robot) -> None:
     robot.world.add_publisher("/map", INT32)
     await eventually_equal(lambda: nodes_publishing(robot, "/map"), ("/outside",))
@@ -544,7 +569,7 @@ async def test_the_types_of_a_topic_appear_and_vanish_with_it(robot: Robot) -> N
 async def test_the_type_of_an_own_new_publisher_is_known_at_once(robot: Robot, topic: str) -> None:
     robot.world.add_subscription(topic, INT32, lambda _: None)
     await eventually(lambda: robot.ros.topic_types(topic) == (INT32,))
-    robot.ros.advertise(topic, STRING, Qos(), lambda _: None)
+    robot.ros.publishing.advertise(topic, STRING, Qos(), lambda _: None)
     assert robot.ros.topic_types(topic) == (STRING,)
 
 
@@ -552,7 +577,7 @@ async def test_the_type_of_an_own_new_publisher_is_known_at_once(robot: Robot, t
 async def test_the_graph_lists_endpoints_by_node_our_own_included(robot: Robot, topic: str) -> None:
     robot.world.add_publisher(topic, INT32)
     robot.world.add_publisher(topic, INT32)
-    robot.ros.advertise(topic, INT32, Qos(), lambda _: None)
+    robot.ros.publishing.advertise(topic, INT32, Qos(), lambda _: None)
     subscribe(robot, topic)
     publishing = ("/outside", "/outside", "/ros2_gateway_publishers")
     await eventually_equal(lambda: nodes_publishing(robot, topic), publishing)
@@ -562,6 +587,17 @@ async def test_the_graph_lists_endpoints_by_node_our_own_included(robot: Robot, 
     ours = ("debug", "publishers", "services", "subscriptions")
     expected = ("/outside", *(f"/ros2_gateway_{each}" for each in ours))
     await eventually_equal(lambda: robot.ros.graph().nodes, expected)
+
+
+async def test_the_graph_shows_whether_a_topic_keeps_messages(robot: Robot) -> None:
+    def kept(topic: str) -> list[bool]:
+        return [each.is_latched for each in robot.ros.graph().topics if each.name == topic]
+
+    robot.world.add_publisher("/kept", INT32, Qos("reliable", "transient_local", depth=1))
+    robot.world.add_publisher("/count", INT32)
+    await eventually_equal(lambda: (kept("/kept"), kept("/count")), ([True], [False]))
+    robot.world.add_publisher("/kept", INT32)
+    await eventually_equal(lambda: kept("/kept"), [False])
 
 
 async def test_a_watch_hears_of_publishers_that_come_and_go(robot: Robot) -> None:
@@ -645,3 +681,7 @@ async def test_nodes_of_different_names_share_none(robot: Robot) -> None:
     robot.world.add_publisher("/anything", INT32)
     await eventually(lambda: "/outside" in robot.ros.graph().nodes)
     assert robot.ros.diagnosis.shared_names() == ()
+
+
+async def test_a_source_says_where_it_searches_for_nodes(robot: Robot) -> None:
+    assert set(robot.ros.network) == {"domain_id", "rmw", "discovery"}

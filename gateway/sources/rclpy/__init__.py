@@ -6,13 +6,12 @@ Importing this needs no rclpy, opening does.
 The map is docs/contributing/architecture.md.
 """
 
-import asyncio
 import contextlib
 from collections.abc import AsyncIterator
 
 from gateway.errors import RosMissingError
 from gateway.guard.supervisor import GuardProcess
-from gateway.sources.rclpy.options import RosOptions
+from gateway.sources.options import RosOptions
 from gateway.sources.rclpy.shared_memory import check_room, remove_abandoned_segments
 from gateway.sources.source import Ros
 from schemas.installed import InstalledDefinitions
@@ -50,17 +49,18 @@ async def open_ros(
     except ImportError as error:
         raise RosMissingError(str(error)) from error
     from gateway.sources.rclpy.message_classes import MessageClasses
-    from gateway.sources.rclpy.port import RclpyRos
 
     classes = MessageClasses(definitions)
     async with contextlib.AsyncExitStack() as undo:
         undo.push_async_callback(classes.close)
-        # DDS opens its sockets while the other process tries
-        trying = asyncio.create_task(classes.make_types()) if makes_types else None
+        if makes_types:
+            classes.begin_trial()  # it runs while the rest is imported and DDS opens its sockets
+        from gateway.sources.rclpy.port import RclpyRos
+
         ros = RclpyRos(RosOptions() if options is None else options, classes, guard)
         undo.callback(ros.close)
         if guard is not None:
             undo.push_async_exit(guard)
-        if trying is not None:
-            await trying
+        if makes_types:
+            await classes.make_types()
         yield ros

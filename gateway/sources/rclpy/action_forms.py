@@ -4,21 +4,22 @@
 The parts that all actions share, which cancel a goal and publish its status, are not among them.
 """
 
-import struct
-from collections.abc import Callable
-from typing import Any, Final, TypeAlias
+from typing import Any, TypeAlias
 
 from rclpy.serialization import deserialize_message, serialize_message
 
-from gateway.sources.rclpy.goal_ids import goal_id_of, with_goal_id, without_goal_id
+from gateway.sources.action_cdr import ActionCdr
+from gateway.sources.goal_ids import with_goal_id
+from gateway.sources.rclpy.interfaces import service_class
 from gateway.sources.rclpy.made_types.classes import MadeAction
-from gateway.sources.rclpy.made_types.raw_messages import ENCAPSULATION_BYTES, RawMessage
-from gateway.sources.rclpy.made_types.realignment import Realignment
+from gateway.sources.rclpy.made_types.raw_messages import RawMessage
 
-_HEADER: Final = b"\0\1\0\0"  # of little-endian CDR
-_ANSWER: Final = struct.Struct("<?3xiI")  # SendGoal_Response: accepted, and a stamp
-_STATUS_BYTES: Final = 1
-_UNKNOWN: Final = b"\0"  # action_msgs/msg/GoalStatus
+
+def cancel_request(goal_id: bytes) -> Any:
+    """Return the request that cancels a goal of any action."""
+    request = service_class("action_msgs/srv/CancelGoal").Request()
+    request.goal_info.goal_id.uuid = list(goal_id)
+    return request
 
 
 class PackageAction:
@@ -39,6 +40,10 @@ class PackageAction:
     def to_goal_request(self, goal_id: bytes, goal: bytes) -> Any:
         """Return the request that sends a goal."""
         return deserialize_message(with_goal_id(goal_id, goal), self.send_goal.Request)
+
+    def to_cancel_request(self, goal_id: bytes) -> Any:
+        """Return the request that cancels a goal."""
+        return cancel_request(goal_id)
 
     def read_goal_request(self, request: Any) -> tuple[bytes, bytes]:
         """Return the goal's id, shorter than 16 bytes if it is malformed, and the goal."""
@@ -83,67 +88,50 @@ class PackageAction:
 
 
 class MadeActionForm:
-    """The form of the classes of `gateway.sources.rclpy.made_types`, which notice few faults.
+    """The form of the classes of `gateway.sources.rclpy.made_types`, which notice few faults."""
 
-    *result* is the layout of its result, and *empty_result* returns CDR of an empty one.
-    """
-
-    def __init__(
-        self,
-        type_name: str,
-        made: MadeAction,
-        result: Realignment,
-        empty_result: Callable[[], bytes],
-    ) -> None:
-        self.type_name = type_name
+    def __init__(self, made: MadeAction, cdr: ActionCdr) -> None:
+        self.type_name = cdr.type_name
         self.send_goal = made.send_goal
         self.get_result = made.get_result
         self.feedback = made.feedback
-        self._result = result
-        self._empty_result = empty_result
+        self._cdr = cdr
 
     def to_goal_request(self, goal_id: bytes, goal: bytes) -> Any:
         """See `PackageAction`."""
-        return self.send_goal.Request(with_goal_id(goal_id, goal))
+        return self.send_goal.Request(self._cdr.to_goal_request(goal_id, goal))
+
+    def to_cancel_request(self, goal_id: bytes) -> Any:
+        """See `PackageAction`."""
+        return cancel_request(goal_id)
 
     def read_goal_request(self, request: RawMessage) -> tuple[bytes, bytes]:
         """See `PackageAction`."""
-        return goal_id_of(request.cdr), without_goal_id(request.cdr)
+        return self._cdr.read_goal_request(request.cdr)
 
     def to_goal_response(self, accepted_ns: int | None) -> Any:
         """See `PackageAction`."""
-        stamp = divmod(accepted_ns or 0, 10**9)
-        return self.send_goal.Response(_HEADER + _ANSWER.pack(accepted_ns is not None, *stamp))
+        return self.send_goal.Response(self._cdr.to_goal_response(accepted_ns))
 
     def is_accepted(self, response: RawMessage) -> bool:
         """See `PackageAction`."""
-        return any(response.cdr[ENCAPSULATION_BYTES : ENCAPSULATION_BYTES + 1])
+        return self._cdr.is_accepted(response.cdr)
 
     def to_result_request(self, goal_id: bytes) -> Any:
         """See `PackageAction`."""
-        return self.get_result.Request(_HEADER + goal_id)
+        return self.get_result.Request(self._cdr.to_result_request(goal_id))
 
     def read_result_request(self, request: RawMessage) -> bytes:
         """See `PackageAction`."""
-        return goal_id_of(request.cdr)
+        return self._cdr.read_result_request(request.cdr)
 
     def to_result_response(self, status: int, result: bytes | None = None) -> Any:
         """See `PackageAction`."""
-        first = struct.pack("b", status)
-        cdr = self._empty_result() if result is None else result
-        return self.get_result.Response(self._moved(cdr, 0, first))
+        return self.get_result.Response(self._cdr.to_result_response(status, result))
 
     def read_result_response(self, response: RawMessage) -> tuple[int, bytes]:
         """See `PackageAction`."""
-        cdr = response.cdr
-        first = cdr[ENCAPSULATION_BYTES : ENCAPSULATION_BYTES + _STATUS_BYTES] or _UNKNOWN
-        (status,) = struct.unpack("b", first)
-        return status, self._moved(cdr, _STATUS_BYTES, b"")
-
-    def _moved(self, cdr: bytes, start: int, before: bytes) -> bytes:
-        header, body = cdr[:ENCAPSULATION_BYTES], cdr[ENCAPSULATION_BYTES:]
-        is_little_endian = header[1:2] == _HEADER[1:2]
-        return header + self._result.move(body, start, before, is_little_endian=is_little_endian)
+        return self._cdr.read_result_response(response.cdr)
 
 
 ActionForm: TypeAlias = PackageAction | MadeActionForm

@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator
 from importlib.util import find_spec
 
 from gateway.config.model import Config
-from gateway.errors import ConfigError
+from gateway.errors import RosStartError
 from gateway.guard.supervisor import GuardProcess
 from gateway.sources.rclpy import RosOptions, open_ros
 from gateway.sources.source import Ros, RosError
@@ -18,10 +18,10 @@ async def open_source(config: Config, definitions: InstalledDefinitions) -> Asyn
     """Take part in ROS on the running loop, until the context ends.
 
     Raises:
-        ConfigError: ROS refuses its part of the configuration.
         RosMissingError: rclpy is missing.
+        RosStartError: ROS does not start.
     """
-    # a check whether ROS takes such types costs 0.3 s, and is useless if all are installed
+    # a check whether ROS takes such types costs CPU time, and is useless if all are installed
     packages = definitions.packages_in_folders()
     makes_types = any(find_spec(package) is None for package in packages)
     async with contextlib.AsyncExitStack() as stack:
@@ -34,7 +34,7 @@ async def open_source(config: Config, definitions: InstalledDefinitions) -> Asyn
             text = str(error).strip()
             is_peer = "resolve peer" in text  # as Fast DDS says it
             remedy = ". Correct its name in ROS_STATIC_PEERS, or remove it" if is_peer else ""
-            raise ConfigError(f"ROS: {text}{remedy}") from error
+            raise RosStartError(f"ROS: {text}{remedy}") from error
         yield ros
 
 
@@ -55,9 +55,7 @@ def ros_options(config: Config) -> RosOptions:
 def guard_of(config: Config) -> GuardProcess:
     """Return the guard, which is still to be started."""
     namespace, _, name = ros_options(config).guard_node.rpartition("/")
+    node = {"name": name, "namespace": namespace or "/", "domain_id": config.ros.domain_id}
     return GuardProcess(
-        name,
-        namespace or "/",
-        config.ros.domain_id,
-        deadline_s=config.control.deadline_s,
+        "gateway.sources.rclpy.stand_alone:StandAlone", node, deadline_s=config.control.deadline_s
     )

@@ -4,11 +4,11 @@
 from typing import Any
 
 from rclpy.callback_groups import CallbackGroup, ReentrantCallbackGroup
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from gateway.sources.rclpy.errors import creation, remapped
+from gateway.sources.rclpy.no_callbacks import NO_PUBLISHER_EVENTS
 
 
 def group_of_one() -> CallbackGroup:
@@ -34,7 +34,7 @@ def create_publisher(
             topic,
             profile,
             callback_group=group_of_one(),
-            event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+            event_callbacks=NO_PUBLISHER_EVENTS,
         )
     given = publisher.topic_name
     if given != topic:

@@ -11,7 +11,7 @@ import contextlib
 import logging
 import threading
 from collections import defaultdict
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from time import perf_counter
 from typing import Any, Final
 
@@ -19,10 +19,10 @@ from rclpy.action.graph import get_action_server_names_and_types_by_node
 from rclpy.node import Node
 
 from gateway.sources.graph import Graph, ServerInfo, TopicInfo
+from gateway.sources.node_definitions import TypeHolder
+from gateway.sources.qos import UNKNOWN_NODE, Endpoint, is_latched
 from gateway.sources.rclpy.errors import REFUSALS
-from gateway.sources.rclpy.node_definitions import TypeHolder
 from gateway.sources.rclpy.profile import endpoint_node, full_name, to_endpoint
-from gateway.sources.rclpy.qos import UNKNOWN_NODE, Endpoint
 from gateway.sources.rclpy.rclpy_private.readiness import GraphWaitSet
 
 # A new node causes dozens of changes within a few milliseconds: look once they are over. Far below
@@ -52,14 +52,21 @@ def read_graph(node: Node, hidden: Mapping[str, str]) -> Graph:
         TopicInfo(
             name,
             tuple(sorted(types)),
-            publishers=_shown(node.get_publishers_info_by_topic(name), hidden),
+            publishers=_shown(publishers, hidden),
             subscribers=_nodes(node.get_subscriptions_info_by_topic(name)),
+            is_latched=is_latched(list(map(to_endpoint, publishers))),
         )
-        for name, types in sorted(node.get_topic_names_and_types())
-        if _BEHIND_ACTION not in name
+        for name, types, publishers in _published(node)
     )
     shown = tuple(sorted(each for each in read_nodes(node) if each not in hidden))
     return Graph(topics, shown, read_services(node), read_actions(node))
+
+
+def _published(node: Node) -> Iterator[tuple[str, list[str], list[Any]]]:
+    """Yield the topics with their types and publishers, except those of actions."""
+    for name, types in sorted(node.get_topic_names_and_types()):
+        if _BEHIND_ACTION not in name:
+            yield name, types, node.get_publishers_info_by_topic(name)
 
 
 def read_nodes(node: Node) -> list[str]:

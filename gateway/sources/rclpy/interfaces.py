@@ -7,7 +7,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any, Final
 
-from gateway.sources.rclpy.name_checks import TypeKind, split_type
+from gateway.sources.name_checks import TypeKind, split_type
 from gateway.sources.source import RosError
 from schemas.interface import EVENT, FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL
 

@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from gateway.sources.graph import Graph, ServerInfo
+from gateway.sources.options import RosOptions
 from gateway.sources.rclpy.deferred_destruction import DeferredDestruction
 from gateway.sources.rclpy.graph import read_actions, read_all_services, read_graph, read_types
 from gateway.sources.rclpy.nodes import Nodes
-from gateway.sources.rclpy.options import RosOptions
 
 ProvidedHere = Callable[[], Iterable[ServerInfo]]
 

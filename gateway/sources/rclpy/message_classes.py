@@ -4,17 +4,18 @@
 import asyncio
 import contextlib
 import os
+import subprocess
 import sys
 from collections.abc import Callable
 from typing import Final, TypeVar
 
-from gateway.backports import timeout
 from gateway.codec.types import Types
+from gateway.sources.action_cdr import ActionCdr
 from gateway.sources.rclpy.action_forms import ActionForm, MadeActionForm, PackageAction
 from gateway.sources.rclpy.interfaces import action_class, message_class, service_class
 from gateway.sources.rclpy.made_types.classes import MadeTypes
-from gateway.sources.rclpy.made_types.realignment import Realignment
 from gateway.sources.rclpy.service_forms import ServiceForm, of_made, of_package
+from gateway.sources.realignment import Realignment
 from gateway.sources.source import RosError
 from schemas.definition import DefinitionError
 from schemas.derived import DerivedDefinitions
@@ -48,14 +49,15 @@ class MessageClasses:
         """The definitions that are known, also of types that are not installed."""
         return self._definitions
 
-    async def make_types(self) -> None:
-        """Make types from now on, or refuse them if this ROS does not take them.
-
-        It takes a second, the first time.
-        """
+    def begin_trial(self) -> asyncio.Task[str | None]:
+        """Begin to try whether this ROS takes made types, which takes some tenths of a second."""
         if self._trying is None:
-            self._trying = asyncio.create_task(why_types_cannot_be_made())
-        self.allow_made_types(await asyncio.shield(self._trying))
+            self._trying = why_types_cannot_be_made(asyncio.get_running_loop())
+        return self._trying
+
+    async def make_types(self) -> None:
+        """Make types from now on, or refuse them if this ROS does not take them."""
+        self.allow_made_types(await asyncio.shield(self.begin_trial()))
 
     def allow_made_types(self, why_not: str | None = None) -> None:
         """Make types from now on, or refuse them in the words of *why_not*."""
@@ -125,12 +127,12 @@ class MessageClasses:
     def _make_action(self, type_name: str, known: InstalledDefinitions) -> ActionForm:
         interface = known.interface(type_name, "action")
         result = interface.parts["result"]
-        return MadeActionForm(
+        cdr = ActionCdr(
             type_name,
-            self._made.action(interface, known),
             Realignment(result, known),
             lambda: self._types.get(result.name).encode({}, 0),
         )
+        return MadeActionForm(self._made.action(interface, known), cdr)
 
     def _find_made(self, find: Callable[[], _T], make: Callable[[InstalledDefinitions], _T]) -> _T:
         """Make it, or find it if that is not possible."""
@@ -165,35 +167,48 @@ def _hash(type_name: str, definitions: InstalledDefinitions) -> str:
     return type_hash(derived.get(type_name), derived)
 
 
-async def why_types_cannot_be_made() -> str | None:
-    """Return in words why this ROS takes no made types, ``None`` if it does.
+def why_types_cannot_be_made(loop: asyncio.AbstractEventLoop) -> "asyncio.Task[str | None]":
+    """Begin to try whether this ROS takes made types. Await ``None``, or in words why it does not.
 
-    A separate process tries, because it may crash if the structures are not as expected.
+    A separate process tries, because it may crash if the structures are not as expected. It starts
+    now, runs while DDS opens its sockets here, and ends with the task, however that ends.
     """
     environment = os.environ | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}  # nobody else hears of it
     environment.pop("ROS_LOCALHOST_ONLY", None)  # it would take precedence
     try:
-        process = await asyncio.create_subprocess_exec(
-            sys.executable,
-            *_CHECK,
+        process = subprocess.Popen(
+            [sys.executable, *_CHECK],
             env=environment,
-            stdin=asyncio.subprocess.DEVNULL,
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.DEVNULL,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
         )
     except OSError as error:
         reason = (error.strerror or type(error).__name__).lower()
-        return f"a test whether others can be made did not start: {reason}"
+        return loop.create_task(
+            _at_once(f"a test whether others can be made did not start: {reason}")
+        )
+    trying = loop.create_task(_verdict(process))
+    # a task that is cancelled before its first step runs nothing of itself
+    trying.add_done_callback(lambda _: _end(process))
+    return trying
+
+
+async def _at_once(words: str) -> str | None:
+    return words
+
+
+async def _verdict(process: "subprocess.Popen[bytes]") -> str | None:
     try:
-        async with timeout(_CHECK_S):
-            said, _ = await process.communicate()
-    except TimeoutError:
+        said, _ = await asyncio.to_thread(process.communicate, timeout=_CHECK_S)
+    except subprocess.TimeoutExpired:
         return f"a test whether others can be made took over {_CHECK_S} s"
-    finally:
-        if process.returncode is None:
-            process.kill()
-            await process.wait()
     if process.returncode == 0:
         return None
-    words = said.decode(errors="replace").strip()
+    words = bytes(said).decode(errors="replace").strip()
     return words or f"a test whether others can be made ended with {process.returncode}"
+
+
+def _end(process: "subprocess.Popen[bytes]") -> None:
+    with process:
+        process.kill()

@@ -9,10 +9,10 @@ from rclpy.parameter import Parameter
 from rclpy.utilities import get_rmw_implementation_identifier
 
 from gateway.config.domain_id import MAX_DOMAIN_ID
+from gateway.sources.options import RosOptions
 from gateway.sources.rclpy import fast_dds
 from gateway.sources.rclpy.errors import REFUSALS
 from gateway.sources.rclpy.graph import read_participants
-from gateway.sources.rclpy.options import RosOptions
 from gateway.sources.rclpy.shared_memory import without_shared_memory
 from gateway.sources.source import RosError
 

@@ -3,15 +3,20 @@
 
 import asyncio
 import contextlib
+import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Final
 
 from rclpy.node import Node
+from rclpy.utilities import get_rmw_implementation_identifier
 from typing_extensions import Self, assert_never
 
 from gateway.faults import Fault
 from gateway.guard.supervisor import GuardProcess
+from gateway.sources.graph_watches import GraphWatch, GraphWatches
+from gateway.sources.node_definitions import NodeDefinitions
+from gateway.sources.options import RosOptions, check_room
 from gateway.sources.rclpy.deferred_destruction import DeferredDestruction
 from gateway.sources.rclpy.distro import distro
 from gateway.sources.rclpy.errors import REFUSALS, refused
@@ -22,20 +27,19 @@ from gateway.sources.rclpy.graph import (
     read_nodes,
     read_readers,
 )
+from gateway.sources.rclpy.jump_watch import JumpWatch
 from gateway.sources.rclpy.known_graph import KnownGraph
 from gateway.sources.rclpy.message_classes import MessageClasses
-from gateway.sources.rclpy.node_definitions import NodeDefinitions
+from gateway.sources.rclpy.network import NetworkAtStart
 from gateway.sources.rclpy.nodes import Nodes
-from gateway.sources.rclpy.options import RosOptions, check_room
 from gateway.sources.rclpy.publishers import Publishers, RclpyPublisher
 from gateway.sources.rclpy.qos_events import QosEvents
 from gateway.sources.rclpy.raw_subscriptions import RawSubscription, RawSubscriptions
 from gateway.sources.rclpy.rclpy_private.handles import clock_reader
 from gateway.sources.rclpy.ready_events import Endpoints, ReadyEvents
-from gateway.sources.rclpy.same_names import SameNames
 from gateway.sources.rclpy.samples import Samples
 from gateway.sources.rclpy.servers import RclpyActions, RclpyServices
-from gateway.sources.rclpy.watches import GraphWatch, GraphWatches, JumpWatch
+from gateway.sources.same_names import SameNames
 from gateway.sources.source import (
     LogLevel,
     Qos,
@@ -70,7 +74,7 @@ class RclpyRos:
             RosError: ROS refuses the options.
         """
         loop = asyncio.get_running_loop()
-        self._options, self.guard = options, guard
+        self._options, self.guard, self._network = options, guard, NetworkAtStart(os.environ)
         self._classes = classes or MessageClasses()
         with contextlib.ExitStack() as undo:
             try:
@@ -142,9 +146,20 @@ class RclpyRos:
     diagnosis = publishing
 
     @property
+    def refusal(self) -> None:
+        """Nothing is missing."""
+
+    @property
     def distro(self) -> str:
         """The ROS distribution, such as ``jazzy``."""
         return _DISTRO
+
+    @property
+    def network(self) -> Mapping[str, str | int]:
+        """Its place among the nodes. See the port."""
+        domain_id = self._debug.context.get_domain_id()
+        rmw = get_rmw_implementation_identifier()
+        return {"domain_id": domain_id, "rmw": rmw, "discovery": self._network.reach}
 
     def subscribe(
         self,
@@ -218,7 +233,7 @@ class RclpyRos:
         if self._is_closed or not self._debug.context.ok():
             return (Fault("dead", "ROS has shut down below the gateway: it must be restarted"),)
         guarding = () if self.guard is None else self.guard.faults()
-        faults = [*self._executor.faults(), *guarding]
+        faults = [*self._executor.faults(), *self._network.faults(), *guarding]
         if not all(each.is_alive for each in self._changes):
             faults.append(Fault("dead", "the thread that follows the ROS graph has ended"))
         return faults

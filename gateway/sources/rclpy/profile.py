@@ -13,7 +13,7 @@ from rclpy.qos import (
 )
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from gateway.sources.rclpy.qos import MAX_PERIOD_NS, Endpoint
+from gateway.sources.qos import MAX_PERIOD_NS, Endpoint
 from gateway.sources.source import Qos
 
 
@@ -64,7 +64,7 @@ def to_endpoint(info: TopicEndpointInfo) -> Endpoint:
 
 def type_hash(info: TopicEndpointInfo) -> str | None:
     """Return the hash of an endpoint's type. ``None`` if it reports none, as before Iron."""
-    text = str(info.topic_type_hash)
+    text = str(getattr(info, "topic_type_hash", ""))
     return text if text.startswith(_HASHED) else None  # else it is INVALID
 
 

@@ -11,14 +11,14 @@ from typing import Any
 
 from rclpy.node import Node
 
+from gateway.sources.name_checks import check_topic
+from gateway.sources.qos import Endpoint, complete_offer, retains, unmatched_subscribers
 from gateway.sources.rclpy.creating import create_publisher
 from gateway.sources.rclpy.deferred_destruction import Deferred, DeferredDestruction
 from gateway.sources.rclpy.errors import REFUSALS, refused
 from gateway.sources.rclpy.graph import read_requests
 from gateway.sources.rclpy.message_classes import MessageClasses
-from gateway.sources.rclpy.name_checks import check_topic
 from gateway.sources.rclpy.profile import to_profile
-from gateway.sources.rclpy.qos import Endpoint, complete_offer, retains, unmatched_subscribers
 from gateway.sources.rclpy.qos_events import QosEvents, QosWatch
 from gateway.sources.rclpy.rclpy_private.handles import new_matches, raw_publisher
 from gateway.sources.rclpy.versions import other_versions

@@ -8,20 +8,21 @@ from typing import Final
 
 from rclpy.node import Node
 
-from gateway.sources.rclpy.errors import creation, remapped
-from gateway.sources.rclpy.graph import read_offers
-from gateway.sources.rclpy.heard_samples import HeardSamples
-from gateway.sources.rclpy.message_classes import MessageClasses
-from gateway.sources.rclpy.name_checks import check_topic
-from gateway.sources.rclpy.profile import to_profile
-from gateway.sources.rclpy.qos import (
+from gateway.sources.name_checks import check_topic
+from gateway.sources.qos import (
     Endpoint,
     adopt,
     gone,
     is_same_request,
+    offered,
     retains,
     unmatched_publishers,
 )
+from gateway.sources.rclpy.errors import creation, remapped
+from gateway.sources.rclpy.graph import read_offers
+from gateway.sources.rclpy.heard_samples import HeardSamples
+from gateway.sources.rclpy.message_classes import MessageClasses
+from gateway.sources.rclpy.profile import to_profile
 from gateway.sources.rclpy.qos_events import QosEvents, QosWatch
 from gateway.sources.rclpy.samples import OnLost, Reader, Samples, unheard
 from gateway.sources.rclpy.versions import other_versions
@@ -173,6 +174,11 @@ class RawSubscription:
     def publishers(self) -> int:
         """The number of publishers that it is matched with."""
         return 0 if self._reader is None else self._reader.publishers
+
+    @property
+    def offers(self) -> list[Qos]:
+        """The offers of the publishers of its type now."""
+        return offered(self._matching(self._subscriptions.offers(self.topic)))
 
     def join_late(self, on_samples: Callable[[Sequence[Sample]], None]) -> Reader:
         """Open a second reader. See `gateway.sources.source.RosSubscription.join_late`."""

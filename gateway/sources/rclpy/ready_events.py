@@ -14,18 +14,16 @@ from functools import partial
 from typing import Any, Final
 
 from rcl_interfaces.msg import ParameterEvent
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.sources.rclpy.errors import creation
+from gateway.sources.rclpy.no_callbacks import NO_SUBSCRIPTION_EVENTS
 from gateway.sources.rclpy.rclpy_private.c_functions import MissingFunctionError
 from gateway.sources.rclpy.rclpy_private.readiness import Kind, ReadyCallbacks
 from gateway.sources.source import RosError
 
-# rclpy's callbacks need an executor: see `gateway.sources.rclpy.qos_events`
-NO_EVENTS: Final = SubscriptionEventCallbacks(use_default_callbacks=False)
 # The default of ROS is also reliable and volatile, but keeps 10: the rest of a burst is lost.
 SERVICE_PROFILE: Final = QoSProfile(depth=MAX_QUEUE_DEPTH)
 
@@ -53,7 +51,7 @@ class ReadyEvents:
         """
         with creation("starting ROS"):
             subscription = node.create_subscription(
-                ParameterEvent, "~/_ready", _never_called, 1, event_callbacks=NO_EVENTS
+                ParameterEvent, "~/_ready", _never_called, 1, event_callbacks=NO_SUBSCRIPTION_EVENTS
             )
         try:
             self._hooks.stop("subscription", subscription)

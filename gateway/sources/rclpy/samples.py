@@ -18,9 +18,10 @@ from gateway.sources.rclpy.large_takes import (
     take_up_to,
 )
 from gateway.sources.rclpy.lost_samples import NO_NUMBER, LostSamples
+from gateway.sources.rclpy.no_callbacks import NO_SUBSCRIPTION_EVENTS
 from gateway.sources.rclpy.rclpy_private.handles import message_taker
 from gateway.sources.rclpy.rclpy_private.takes import sample_taker
-from gateway.sources.rclpy.ready_events import NO_EVENTS, ReadyEvents
+from gateway.sources.rclpy.ready_events import ReadyEvents
 from gateway.sources.source import MAX_TAKES_PER_TURN, Sample
 
 OnSamples = Callable[[Sequence[Sample]], None]
@@ -87,7 +88,7 @@ class Reader:
                 profile,
                 raw=True,
                 callback_group=group_of_one(),
-                event_callbacks=NO_EVENTS,
+                event_callbacks=NO_SUBSCRIPTION_EVENTS,
             )
 
         self._large_takes = samples.large_takes

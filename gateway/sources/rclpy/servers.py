@@ -6,11 +6,11 @@ from typing import Generic, TypeVar
 
 from gateway.sources.actions import GoalRequest
 from gateway.sources.graph import ServerInfo
+from gateway.sources.name_checks import check_action, check_service
 from gateway.sources.rclpy.action_client import RclpyActionClient
 from gateway.sources.rclpy.action_server import RclpyActionServer
 from gateway.sources.rclpy.deferred_destruction import DeferredDestruction
 from gateway.sources.rclpy.message_classes import MessageClasses
-from gateway.sources.rclpy.name_checks import check_action, check_service
 from gateway.sources.rclpy.ready_events import Endpoints
 from gateway.sources.rclpy.samples import Samples
 from gateway.sources.rclpy.service_entities import RclpyClient, RclpyService

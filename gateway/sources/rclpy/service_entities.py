@@ -7,8 +7,9 @@ from typing import Any
 from gateway.sources.rclpy.errors import refusals
 from gateway.sources.rclpy.ready_events import Endpoints
 from gateway.sources.rclpy.replier import Replier, Reply
-from gateway.sources.rclpy.requester import FindConflict, Requester
+from gateway.sources.rclpy.requester import RclpyRequester
 from gateway.sources.rclpy.service_forms import ServiceForm
+from gateway.sources.requester import FindConflict
 from gateway.sources.services import ServiceRequest
 
 
@@ -30,7 +31,7 @@ class RclpyClient:
         self._on_close = on_close
         self._subject = f"service {name}"
         self._form = form
-        self._requester = Requester(
+        self._requester = RclpyRequester(
             endpoints,
             form.service_class,
             name,

@@ -12,10 +12,10 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from typing_extensions import Self
 
+from gateway.sources.name_checks import check_topic
 from gateway.sources.rclpy.creating import create_publisher
 from gateway.sources.rclpy.errors import REFUSALS, refused
 from gateway.sources.rclpy.interfaces import message_class
-from gateway.sources.rclpy.name_checks import check_topic
 from gateway.sources.rclpy.shared_memory import without_shared_memory
 
 
@@ -82,6 +82,11 @@ class StandAlone:
         # not by `gateway.sources.rclpy.graph`, as above
         infos = self._node.get_subscriptions_info_by_topic(topic)
         return {bytes(each.endpoint_gid).hex() for each in infos}
+
+    is_cut_off = False  # DDS has no router in between
+
+    def moves(self, _: str) -> None:
+        """Do nothing."""
 
     def flush(self, timeout_s: float) -> None:
         """Wait until reliable readers have what was published, at most for a time."""

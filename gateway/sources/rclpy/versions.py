@@ -12,8 +12,8 @@ from typing import Any, Final
 
 from rclpy.node import Node
 
+from gateway.sources.qos import UNKNOWN_NODE, Endpoint, introduced
 from gateway.sources.rclpy.profile import endpoint_node, type_hash
-from gateway.sources.rclpy.qos import UNKNOWN_NODE, Endpoint, introduced
 from gateway.sources.source import RosError, TopicEvent
 from schemas.interface import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL
 

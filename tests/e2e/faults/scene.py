@@ -8,7 +8,7 @@ import signal
 import sys
 import time
 from asyncio.subprocess import PIPE, Process
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, field
 
 START_S = 180  # a busy machine imports for a while
@@ -59,10 +59,13 @@ async def until(condition, within_s: float = START_S) -> None:
 
 
 @contextlib.asynccontextmanager
-async def process(*arguments: str) -> AsyncIterator[Process]:
-    """Run a module of Python until the context ends, however it is then."""
+async def process(*arguments: str, before: Sequence[str] = ()) -> AsyncIterator[Process]:
+    """Run a module of Python until the context ends, however it is then.
+
+    *before* is a command that executes the one which follows it.
+    """
     started = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", *arguments, stdin=PIPE, stdout=PIPE
+        *before, sys.executable, "-m", *arguments, stdin=PIPE, stdout=PIPE
     )
     try:
         yield started
@@ -81,7 +84,9 @@ async def line(started: Process) -> str:
 
 
 @contextlib.asynccontextmanager
-async def base() -> AsyncIterator[Base]:
+async def base(
+    before: Sequence[str] = (), command: Sequence[str] = ("tests.e2e.faults.robot",)
+) -> AsyncIterator[Base]:
     """Run the robot."""
 
     async def listen(robot: Base) -> None:
@@ -90,7 +95,7 @@ async def base() -> AsyncIterator[Base]:
             at_ns, speed = text.split()
             robot.heard.append((int(at_ns), float(speed)))
 
-    async with process("tests.e2e.faults.robot") as started:
+    async with process(*command, before=before) as started:
         assert await line(started) == "ready\n"
         robot = Base(started)
         listening = asyncio.create_task(listen(robot))
@@ -113,10 +118,12 @@ class Gateway:
 
 
 @contextlib.asynccontextmanager
-async def gateway(*arguments: str) -> AsyncIterator[Gateway]:
+async def gateway(
+    *arguments: str, before: Sequence[str] = (), command: str = "serve"
+) -> AsyncIterator[Gateway]:
     """Run a gateway that can be hung."""
-    command = ("tests.e2e.faults.hanging_gateway", "serve", "--port", "0")
-    async with process(*command, *arguments) as started:
+    hanging = ("tests.e2e.faults.hanging_gateway", command, "--port", "0")
+    async with process(*hanging, *arguments, before=before) as started:
         while not (found := _PORT.search(await line(started))):
             pass
         yield Gateway(started, int(found[1]))
@@ -130,9 +137,9 @@ async def link(port: int) -> AsyncIterator[tuple[Process, str]]:
 
 
 @contextlib.asynccontextmanager
-async def operator(url: str) -> AsyncIterator[Process]:
+async def operator(url: str, before: Sequence[str] = ()) -> AsyncIterator[Process]:
     """Run an operator."""
-    async with process("tests.e2e.faults.operator", url) as started:
+    async with process("tests.e2e.faults.operator", url, before=before) as started:
         assert await line(started) == "ready\n"
         yield started
 
@@ -164,11 +171,11 @@ class Publisher:
 
 @contextlib.asynccontextmanager
 async def publisher(
-    topic: str, type_name: str, reliability: str = "reliable"
+    topic: str, type_name: str, reliability: str = "reliable", before: Sequence[str] = ()
 ) -> AsyncIterator[Publisher]:
     """Run a publisher."""
     command = ("tests.e2e.faults.publisher", topic, type_name, reliability)
-    async with process(*command) as started:
+    async with process(*command, before=before) as started:
         assert await line(started) == "ready\n"
         yield Publisher(started)
 

@@ -249,7 +249,7 @@ def test_a_machine_without_any_shared_memory_is_told_of_in_words(tmp_path: Path)
     script = f"mount -t tmpfs -o size=4k tmpfs /dev/shm; echo > /dev/shm/filler; {gateway}"
     command = ["unshare", "--mount", "sh", "-c", script]
     finished = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert finished.returncode == 2
+    assert finished.returncode == 1  # after which systemd starts it again
     assert "ROS: no space left in /dev/shm, 0 bytes free" in finished.stderr
     assert "Traceback" not in finished.stderr
 

@@ -160,7 +160,7 @@ class UnityClient:
         self._process: asyncio.subprocess.Process | None = None
         self._traffic = Traffic(outside, f"unity_{os.getpid()}")
         core = package.compiled("Ros2Gateway.Core", package.EDITOR)
-        self._program = mono.compile_assembly("echo.exe", [ECHO], references=[core])
+        self._program = mono.compile_assembly("echo.exe", [ECHO], references=[*core.closure()])
 
     async def start(self, gateway: Gateway) -> None:
         command = mono.command(self._program, gateway.url, self._traffic.out, self._traffic.into)

@@ -8,13 +8,14 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
+from gateway.sources import action_client, action_server, requester
 from gateway.sources.actions import ABORTED, SUCCEEDED
-from gateway.sources.rclpy import RosOptions, action_client, action_server, requester
+from gateway.sources.rclpy import RosOptions
 from gateway.sources.rclpy.action_client import RclpyActionClient
 from gateway.sources.rclpy.action_server import RclpyActionServer
 from gateway.sources.rclpy.interfaces import action_class
 from gateway.sources.rclpy.port import RclpyRos
-from gateway.sources.rclpy.requester import Requester
+from gateway.sources.rclpy.requester import RclpyRequester
 from gateway.sources.source import RosError
 from tests.client import eventually
 from tests.sources.outside import Outside
@@ -79,7 +80,7 @@ async def test_a_goal_outlives_a_moment_in_which_its_action_is_unready(ros, outs
     provider = Provider()
 
     def accept(_: bytes) -> bool:  # rmw has found half of another server
-        monkeypatch.setattr(Requester, "is_ready", False)
+        monkeypatch.setattr(RclpyRequester, "is_ready", False)
         return True
 
     outside.add_action_server("/dock", FIBONACCI, *provider.callbacks, accepts=accept)

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from rclpy.qos import qos_profile_action_status_default
 
+from gateway.sources import action_server as limits
 from gateway.sources.actions import ABORTED, CANCELED, SUCCEEDED, GoalRequest
 from gateway.sources.rclpy import RosOptions
-from gateway.sources.rclpy import action_server as limits
 from gateway.sources.rclpy.interfaces import action_class, message_class, service_class
 from gateway.sources.rclpy.port import RclpyRos
 from tests.client import eventually
@@ -169,7 +169,7 @@ async def test_sixteen_may_wait_for_the_result_of_one_goal(caller: Caller) -> No
     [goal] = await started(caller, 1)
     for _ in range(20):
         caller.server._answer_result(
-            ACTION.Impl.GetResultService.Request(goal_id=goal.status.goal_info.goal_id),
+            ACTION.Impl.GetResultService.Request(goal_id=uuid_of(1)),
             lambda response: None,
         )
     assert len(goal.waiting) == 16

@@ -4,7 +4,9 @@
 import asyncio
 import os
 import re
+import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -18,7 +20,7 @@ from gateway.sources.rclpy.message_classes import MessageClasses, why_types_cann
 from gateway.sources.source import RosError
 from schemas.installed import InstalledDefinitions
 from schemas.type_hash import type_hash
-from tests.client import eventually
+from tests.client import TIMEOUT_S, eventually
 
 LAMP = "my_msgs/msg/Lamp"
 USE = "my_msgs/srv/Use"
@@ -168,7 +170,7 @@ def test_another_middleware_is_refused_by_name(monkeypatch):
 
 
 async def test_this_ros_takes_made_types():
-    assert await why_types_cannot_be_made() is None
+    assert await why_types_cannot_be_made(asyncio.get_running_loop()) is None
 
 
 @pytest.mark.parametrize(
@@ -186,9 +188,11 @@ async def test_this_ros_takes_made_types():
 async def test_a_process_that_fails_or_crashes_is_told_of(monkeypatch, script: str, words: str):
     monkeypatch.setattr(message_classes, "_CHECK", ("-c", script))
     if "sleep" in script:  # a minute is a tenth of a second
-        timeout = asyncio.timeout
-        monkeypatch.setattr(asyncio, "timeout", lambda s: timeout(s / 600))
-    assert await why_types_cannot_be_made() == words
+        wait = subprocess.Popen.communicate
+        monkeypatch.setattr(
+            subprocess.Popen, "communicate", lambda self, timeout: wait(self, timeout=timeout / 600)
+        )
+    assert await why_types_cannot_be_made(asyncio.get_running_loop()) == words
 
 
 @pytest.mark.parametrize(
@@ -216,13 +220,26 @@ async def test_a_ros_that_is_laid_out_otherwise_is_noticed(monkeypatch, structur
         "raise SystemExit(check.main())",
     )
     monkeypatch.setattr(message_classes, "_CHECK", ("-c", "\n".join(script)))
-    assert re.search(words, str(await why_types_cannot_be_made()))
+    assert re.search(words, str(await why_types_cannot_be_made(asyncio.get_running_loop())))
 
 
 async def test_a_process_that_cannot_start_is_told_of(monkeypatch):
     monkeypatch.setattr(sys, "executable", "/nowhere/python")
     words = "a test whether others can be made did not start: no such file or directory"
-    assert await why_types_cannot_be_made() == words
+    assert await why_types_cannot_be_made(asyncio.get_running_loop()) == words
+
+
+async def test_a_trial_runs_while_the_loop_is_blocked(monkeypatch, tmp_path: Path):
+    file = tmp_path / "tried"
+    monkeypatch.setattr(message_classes, "_CHECK", ("-c", f"open({str(file)!r}, 'w')"))
+    classes = MessageClasses()
+    trying = classes.begin_trial()
+    end_s = time.monotonic() + TIMEOUT_S
+    while not file.exists() and time.monotonic() < end_s:
+        time.sleep(0.01)  # noqa: ASYNC251  # the loop is blocked
+    assert file.exists()
+    await classes.make_types()
+    assert classes.begin_trial() is trying
 
 
 async def test_a_start_that_is_given_up_leaves_no_process(monkeypatch, tmp_path: Path):
@@ -233,7 +250,7 @@ async def test_a_start_that_is_given_up_leaves_no_process(monkeypatch, tmp_path:
         "time.sleep(600)",
     )
     monkeypatch.setattr(message_classes, "_CHECK", ("-c", "\n".join(script)))
-    trying = asyncio.ensure_future(why_types_cannot_be_made())
+    trying = why_types_cannot_be_made(asyncio.get_running_loop())
     await eventually(lambda: file.exists() and file.read_text().endswith("\n"))
     trying.cancel()
     with pytest.raises(asyncio.CancelledError):

@@ -21,6 +21,7 @@ from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.qos_events import QosEvents, QosWatch, _Count, _messages_lost
 from gateway.sources.source import Qos, TopicEvent
 from tests.client import eventually
+from tests.sources.conftest import needs_qos
 from tests.sources.outside import Outside
 from tests.sources.rclpy.lossy_subscriber import LOSSY
 
@@ -47,6 +48,7 @@ def of(code: str, events: list[TopicEvent]) -> list[TopicEvent]:
     return [event for event in events if event.code == code]
 
 
+@needs_qos
 async def test_a_missed_deadline_is_told_to_who_has_asked_for_it(ros: RclpyRos, outside: Outside):
     events: list[TopicEvent] = []
     heard: list[object] = []
@@ -66,6 +68,7 @@ async def test_a_missed_deadline_is_told_to_who_has_asked_for_it(ros: RclpyRos, 
     subscription.close()
 
 
+@needs_qos
 async def test_a_missed_promise_is_told_to_every_client_that_gave_it(ros: RclpyRos):
     qos = Qos(deadline_ns=TENTH_NS)
     told: list[list[TopicEvent]] = [[], []]
@@ -78,6 +81,7 @@ async def test_a_missed_promise_is_told_to_every_client_that_gave_it(ros: RclpyR
         publisher.close()
 
 
+@needs_qos
 async def test_a_publisher_that_gives_no_sign_of_life_is_told(ros: RclpyRos, outside: Outside):
     events: list[TopicEvent] = []
     subscription = ros.subscribe("/t", INT32, Qos(), lambda samples: None, events.append)

@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
+from gateway.sources.qos import Endpoint
 from gateway.sources.rclpy import RosOptions, raw_subscriptions
 from gateway.sources.rclpy.port import RclpyRos
-from gateway.sources.rclpy.qos import Endpoint
 from gateway.sources.rclpy.raw_subscriptions import RawSubscription
 from gateway.sources.source import MAX_TAKES_PER_TURN, Qos, Sample, TopicEvent
 from tests.client import TIMEOUT_S, eventually

@@ -15,10 +15,10 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
+from gateway.sources.qos import adopt
 from gateway.sources.rclpy.interfaces import message_class
 from gateway.sources.rclpy.large_takes import LARGE_SAMPLE_BYTES
 from gateway.sources.rclpy.profile import to_profile
-from gateway.sources.rclpy.qos import adopt
 from gateway.sources.rclpy.ready_events import ReadyEvents
 from gateway.sources.rclpy.samples import Reader, Samples
 from gateway.sources.source import MAX_TAKES_PER_TURN, Qos, Sample

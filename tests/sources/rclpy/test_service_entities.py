@@ -11,11 +11,12 @@ from typing import Any
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from gateway.sources.rclpy import RosOptions, requester
+from gateway.sources import requester
+from gateway.sources.rclpy import RosOptions
 from gateway.sources.rclpy.interfaces import service_class
 from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.rclpy_private.handles import RESPONSE_TIMED_OUT
-from gateway.sources.rclpy.requester import Requester
+from gateway.sources.rclpy.requester import RclpyRequester
 from gateway.sources.rclpy.service_entities import RclpyClient
 from gateway.sources.services import ServiceRequest
 from gateway.sources.source import MAX_TAKES_PER_TURN, RosError
@@ -156,7 +157,7 @@ async def test_a_call_outlives_a_moment_in_which_its_service_is_unready(ros, out
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: len(requests) == 1)
     with monkeypatch.context() as patch:  # as rmw says while it has found half of another server
-        patch.setattr(Requester, "is_ready", False)
+        patch.setattr(RclpyRequester, "is_ready", False)
         client.follow_graph()
     requests[0].answer(response("done"))
     assert text_of(await soon(calling)) == "done"
@@ -168,7 +169,7 @@ async def test_a_call_whose_server_nobody_could_tell_fails_when_its_service_is_u
     requests: list[ServiceRequest] = []
     server = outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.services.client("/arm", SET_BOOL)
-    monkeypatch.setattr(Requester, "_find_servers", lambda self: frozenset())
+    monkeypatch.setattr(RclpyRequester, "_find_servers", lambda self: frozenset())
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: len(requests) == 1)
     client.follow_graph()

@@ -69,6 +69,28 @@ def test_a_participant_that_has_just_begun_keeps_its_segment(tmp_path: Path):
     assert beginning.exists()
 
 
+def test_an_empty_segment_of_a_participant_that_was_refused_is_removed_without_a_word(
+    tmp_path: Path, segment: Path, caplog
+):
+    full, new = (abandoned(tmp_path / f"fastdds_{each * 16}") for each in "ab")
+    full.write_text("content")
+    os.utime(full, times=(0, 0))
+    new.touch()
+    for each in (segment, full, new):
+        lock_of(each).unlink()
+    with caplog.at_level("INFO"):
+        assert remove_abandoned_segments(tmp_path) == 0
+    assert set(tmp_path.iterdir()) == {full, new}
+    assert caplog.messages == []
+
+
+def test_an_empty_segment_of_another_user_stays(tmp_path: Path, segment: Path, monkeypatch):
+    lock_of(segment).unlink()
+    monkeypatch.setattr(os, "geteuid", lambda: segment.stat().st_uid + 1)
+    remove_abandoned_segments(tmp_path)
+    assert segment.exists()
+
+
 def test_the_segment_of_another_user_stays(tmp_path, segment, monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: segment.stat().st_uid + 1)
     assert remove_abandoned_segments(tmp_path) == 0
@@ -107,8 +129,12 @@ def test_ros_is_not_started_where_there_is_no_room_at_all(tmp_path, monkeypatch)
     fields[4] = (NEEDED_BYTES - 1) // found.f_frsize  # f_bavail
     check_room(tmp_path)
     monkeypatch.setattr(os, "statvfs", lambda folder: os.statvfs_result(fields))
+    page = tmp_path / f"lttng-ust-wait-6-{os.geteuid()}"
+    os.truncate(os.open(page, os.O_CREAT | os.O_WRONLY), 4096)  # without memory behind it
     with pytest.raises(RosError, match=f"no space left in {tmp_path}, "):
         check_room(tmp_path)
+    page.write_bytes(bytes(4096))
+    check_room(tmp_path)
 
 
 def test_a_machine_without_the_folder_has_room_elsewhere(tmp_path: Path):

@@ -14,7 +14,6 @@ import gc
 import operator
 from typing import Any, Final
 
-from gateway.backports import call
 from gateway.sources.rclpy.made_types.fast_cdr import FastCdr
 from gateway.sources.rclpy.made_types.type_supports import (
     FASTRTPS,
@@ -82,7 +81,7 @@ class RawMessages:
         self._fast_cdr = FastCdr()
         self._held: dict[int, _MessageInC] = {}  # by address
         of_rmw = {
-            "serialize": _Serialize(call),
+            "serialize": _Serialize(_MessageInC.__call__),  # the one of `partial`, in C
             "size": _Size(operator.attrgetter("size")),
             "deserialize": _Deserialize(self._deserialize),
         }

@@ -53,6 +53,22 @@ class Endpoint:
     type_hash: str | None = None  # REP-2011. None: not reported, as before Iron
 
 
+def offered(offers: Iterable[Endpoint]) -> list[Qos]:
+    """Return the profiles of publishers. Their history stays open, because discovery has none."""
+    return [
+        Qos(
+            each.reliability,
+            each.durability,
+            depth=each.depth,
+            deadline_ns=each.deadline_ns,
+            lifespan_ns=each.lifespan_ns,
+            lease_ns=each.lease_ns,
+            is_manual=each.is_manual,
+        )
+        for each in offers
+    ]
+
+
 def adopt(asked: Qos, offers: Sequence[Endpoint], current: Qos | None = None) -> Qos:
     """Fill all that *asked* leaves open with what matches every offer.
 
@@ -70,15 +86,19 @@ def adopt(asked: Qos, offers: Sequence[Endpoint], current: Qos | None = None) ->
     if not offers and current is not None:
         return current
     reliable = all(offer.reliability == "reliable" for offer in offers)
-    retained = all(offer.durability == "transient_local" for offer in offers) and any(
-        map(retains, offers)
-    )
     return _bounded(
         asked,
         reliability=asked.reliability or ("reliable" if reliable else "best_effort"),
-        durability=asked.durability or ("transient_local" if retained else "volatile"),
+        durability=asked.durability or ("transient_local" if is_latched(offers) else "volatile"),
         depth=max(NEEDED_DEPTH, sum(offer.depth or 1 for offer in offers)),
         lease_ns=_longest([offer.lease_ns for offer in offers]),
+    )
+
+
+def is_latched(offers: Sequence[Qos | Endpoint]) -> bool:
+    """Return whether the publishers of a topic keep its messages for late subscribers."""
+    return all(each.durability == "transient_local" for each in offers) and any(
+        map(retains, offers)
     )
 
 

@@ -6,12 +6,14 @@ from collections.abc import Callable
 
 import pytest
 
-from gateway.sources.rclpy import RosOptions, open_ros, same_names
-from gateway.sources.rclpy.same_names import MAX_NAMED, PERSISTS_S, SameNames
+from gateway.sources import same_names
+from gateway.sources.rclpy import RosOptions, open_ros
+from gateway.sources.same_names import MAX_NAMED, SameNames
 from tests.client import eventually
 from tests.clock import StoppedClock
 from tests.sources.outside import Outside
 
+PERSISTS_S = 30.0
 LATER = PERSISTS_S + 0.1
 
 

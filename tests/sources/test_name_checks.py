@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from gateway.sources.rclpy.name_checks import (
+from gateway.sources.name_checks import (
     MAX_ACTION_CHARACTERS,
     MAX_TOPIC_CHARACTERS,
     check_action,

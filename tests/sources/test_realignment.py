@@ -7,7 +7,7 @@ import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
 from gateway.codec.types import Types
-from gateway.sources.rclpy.made_types.realignment import Realignment
+from gateway.sources.realignment import Realignment
 from gateway.sources.source import RosError
 from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import pytest
 
-from gateway.sources.rclpy.options import RosOptions, check_room
+from gateway.sources.options import RosOptions, check_room
 from gateway.sources.source import RosError
 
 

@@ -3,7 +3,7 @@ import asyncio
 
 import pytest
 
-from gateway.sources.rclpy.watches import GraphWatches
+from gateway.sources.graph_watches import GraphWatches
 from tests.clock import StoppedClock
 
 

@@ -3,8 +3,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 from gateway.sources.source import RosError
+
+ZENOH_RMW: Final = "rmw_zenoh_cpp"  # for RMW_IMPLEMENTATION
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Final
 
-from gateway.sources.rclpy.qos import UNKNOWN_NODE
+from gateway.sources.qos import UNKNOWN_NODE
 
 # A killed node stays in the graph for 20 s. Next to its successor it does not count as a second
 # one.

@@ -10,7 +10,7 @@ from rclpy.duration import Infinite
 from gateway.codec.types import Types
 from gateway.core.requests import Advertise
 from gateway.core.topics.requested_qos import offered
-from gateway.sources.rclpy.qos import (
+from gateway.sources.qos import (
     UNKNOWN_NODE,
     Endpoint,
     adopt,

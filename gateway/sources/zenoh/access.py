@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The settings of Zenoh by which a router knows who connects, and is known itself."""
+
+from pathlib import Path
+
+from gateway.config.zenoh import ZenohLinkConfig
+from gateway.errors import ConfigError, system_reason
+
+_TLS = "transport/link/tls"
+_USER = "transport/auth/usrpwd"
+
+
+def link_settings(config: ZenohLinkConfig, section: str) -> dict[str, object]:
+    """Return what `gateway.sources.zenoh.options.ZenohOptions` takes as settings.
+
+    Raises:
+        ConfigError: settings of the *section* contradict each other, or a file cannot be read.
+    """
+    if (config.cert is None) != (config.key is None):
+        raise ConfigError(f"{section}.cert and {section}.key belong together: set both")
+    if (config.user is None) != (config.user_file is None):
+        raise ConfigError(f"{section}.user and {section}.user_file belong together: set both")
+    settings: dict[str, object] = {}
+    if config.ca is not None:
+        settings[f"{_TLS}/root_ca_certificate"] = config.ca
+    if config.cert is not None:
+        settings[f"{_TLS}/connect_certificate"] = config.cert
+        settings[f"{_TLS}/connect_private_key"] = config.key
+        settings[f"{_TLS}/enable_mtls"] = True
+    if config.user_file is not None:
+        settings[f"{_USER}/user"] = config.user
+        settings[f"{_USER}/password"] = _password(config.user_file, f"{section}.user_file")
+    return settings
+
+
+def _password(path: str, setting: str) -> str:
+    try:
+        password = Path(path).read_text(encoding="utf-8").strip()
+    except (OSError, UnicodeDecodeError) as error:
+        why = system_reason(error) if isinstance(error, OSError) else "it is not text"
+        raise ConfigError(f"{setting}: {path} cannot be read, {why}") from error
+    if not password:
+        raise ConfigError(f"{setting}: {path} is empty: write the password into it")
+    return password
