@@ -9,7 +9,7 @@ from typing import Final
 from benchmarks import unity
 from benchmarks.figures import Figure
 from benchmarks.plan import Plan
-from benchmarks.samples import SAMPLES
+from benchmarks.samples import OFFERED_IMAGE, SAMPLES
 from benchmarks.scenarios import (
     beside_floor,
     bursts,
@@ -26,9 +26,12 @@ from benchmarks.scenarios import (
     many_topics,
     one_more,
     peers,
+    playing,
+    recording,
     robot,
     slow_client,
     start_up,
+    starved,
     steps,
     turns,
 )
@@ -56,10 +59,12 @@ SCENARIOS: Final[dict[str, Scenario]] = {
         partial(beside_floor.measure, name),
     )
     for name, sample in SAMPLES.items()
+    if name != OFFERED_IMAGE
 } | {
     "fan-out": Scenario("one topic to 1 ... 200 clients", "3 min", fan_out.measure),
     "many-topics": Scenario("60 topics to 5 clients", "30 s", many_topics.measure),
     "robot": Scenario("a robot of 20 topics to 10 clients", "1 min", robot.measure),
+    "starved": Scenario("the same robot next to eight busy loops", "1 min", starved.measure),
     "bursts": Scenario("500 messages back to back to one client", "2 min", bursts.measure),
     "inbound": Scenario("from a client into ROS", "2 min", inbound.measure),
     "first-frame": Scenario("from subscribe to the first frame", "1 min", first_frame.measure),
@@ -70,13 +75,27 @@ SCENARIOS: Final[dict[str, Scenario]] = {
     ),
     "links": Scenario("slow links: how old is what arrives", "11 min", links.measure),
     "giant": Scenario("Odometry next to messages of 16 MB", "3 min", giant.measure),
-    "start-up": Scenario("from start to the first handshake", "15 s", start_up.measure),
+    "start-up": Scenario(
+        "from start to the first handshake, and from SIGKILL to all clients",
+        "1 min",
+        start_up.measure,
+    ),
     "idle": Scenario("60 subscriptions to silent topics", "40 s", idle.measure),
     "one-more": Scenario(
         "one more subscription, advertisement and connection", "1 min", one_more.measure
     ),
     "peers": Scenario(
         "next to a server of foxglove-sdk, to 1 ... 200 clients", "25 min", peers.measure
+    ),
+    "play": Scenario(
+        "a recording of 20 topics at 1 and 10 times its speed, of cameras, and jumps in 1 GB",
+        "1 min",
+        playing.measure,
+    ),
+    "record": Scenario(
+        "the same robot to 10 clients, not recorded, and recorded with raw images and JPEGs",
+        "2 min",
+        recording.measure,
     ),
     "growth": Scenario("cost by rate, clients, idle topics and uptime", "5 min", growth.measure),
     "floods": Scenario("a driver and a stop next to 8 clients that flood", "2 min", floods.measure),

@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames that are legal and cost as much as they can.
 
-A client may send anything within the limits. A search finds the costliest frames. It tries every
-array of every message type, with empty elements and with elements of one field each.
+A client may send anything within the limits. `benchmarks.bombs` searches for more.
 """
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 from gateway.codec import cbor
 from gateway.codec.cbor_reader import MAX_SINGLE_ITEMS
-from gateway.codec.cdr.layout import flatten
-from gateway.codec.cdr.misfits import MAX_FIELDS, count_fields
 from gateway.codec.json import LARGE_TEXT_BYTES, MAX_TOKENS
 from gateway.codec.json_bounds import (
     BACKSLASH_COST,
@@ -26,15 +22,11 @@ from gateway.codec.json_bounds import (
     WIDE_COST,
 )
 from gateway.config.limits import Limits
-from schemas.definition import FLOATS, INTEGER_RANGES, STRINGS, Definition, FieldType
-from schemas.installed import InstalledDefinitions
 from schemas.json_forms import MAX_BROKEN_TEXT
 
 MAX_MESSAGE_BYTES: Final = Limits().max_message_bytes
 
-_MAX_NESTING: Final = 3  # arrays of messages within arrays of messages
-_SPARE: Final = 20  # containers and items of the frame around the array
-_SPARE_FIELDS: Final = 1000  # of the messages around an array within arrays
+SPARE: Final = 20  # containers and items of the frame around the array
 _HARD_NUMBER: Final = (  # between two that a double can hold: no parser may take a short way
     "2.2250738585072011360574097967091319759348195463516456480234261097248222220210769455165295239081"
     "3508e-308"
@@ -58,53 +50,10 @@ class HostileFrame:
     data: bytes
 
 
-@dataclass(frozen=True)
-class Bomb:
-    """An array of messages somewhere in a type, to be filled with one element many times."""
-
-    type_name: str
-    template: str
-    """The message as JSON, with ``@`` for the elements."""
-    element: str
-    fields: int
-    """For which one element counts."""
-
-    def frame(self, count: int) -> HostileFrame:
-        """Return a frame with so many elements."""
-        elements = ",".join([self.element] * count)
-        short = self.template.replace("@", f"{self.element},... {count}")
-        return HostileFrame(
-            f"{self.type_name.rpartition('/')[2]} {short}",
-            publish(self.type_name, self.template.replace("@", elements)),
-        )
-
-    def counts(self) -> set[int]:
-        """Return the most elements that are encoded, and the most that are looked at."""
-        containers = self.element.count("{") + self.element.count("[")
-        items = containers + self.element.count(",") + 1
-        most = min(
-            (MAX_CONTAINERS - _SPARE) // containers,
-            (MAX_ITEMS - _SPARE) // items,
-            (MAX_MESSAGE_BYTES - 1000) // (len(self.element) + 1),
-        )
-        return {most, max(1, min(most, (MAX_FIELDS - _SPARE_FIELDS) // self.fields))}
-
-
 def publish(type_name: str, message: str) -> bytes:
     """Return a frame that publishes a message, given as JSON, on a topic for its type."""
     topic = f"/hostile/{type_name.replace('/', '_')}"
     return f'{{"op":"publish","topic":"{topic}","type":"{type_name}","msg":{message}}}'.encode()
-
-
-def bombs(definitions: InstalledDefinitions) -> Iterator[Bomb]:
-    """Return the arrays of messages in all installed types, each with several fillings."""
-    for name in definitions.names():
-        for template, definition in _arrays(definitions.get(name), definitions, _MAX_NESTING):
-            fields = count_fields(flatten(definition, definitions))
-            yield Bomb(name, template, "{}", 1)
-            for field in definition.fields:
-                value = json.dumps(_smallest(field.type))
-                yield Bomb(name, template, f'{{"{field.name}":{value}}}', fields)
 
 
 def large_frames() -> Iterator[HostileFrame]:
@@ -151,11 +100,11 @@ def _times(element: str, count: int) -> str:
 
 def plain_frames() -> Iterator[HostileFrame]:
     """Return frames that need no search: long ones, deep ones, wrong ones, and other operations."""
-    most, containers = MAX_ITEMS - _SPARE, MAX_CONTAINERS - _SPARE
+    most, containers = MAX_ITEMS - SPARE, MAX_CONTAINERS - SPARE
     room = MAX_MESSAGE_BYTES - 1000
     floats, nulls = ",".join(["0.1"] * most), ",".join(["null"] * most)
     few = (LARGE_TEXT_BYTES - 1000) // 4 * 4  # of the characters of these numbers
-    strings = MAX_STRINGS - _SPARE
+    strings = MAX_STRINGS - SPARE
     names, ones = ",".join(['"Infinity"'] * strings), ",".join(["1.0"] * most)
     members = ",".join(f'"k{number}":"v"' for number in range(strings // 2))
     hard = _hard_numbers((MAX_COST - 1000) // (1 + OUTSIDE_COST))
@@ -211,7 +160,7 @@ def plain_frames() -> Iterator[HostileFrame]:
 
 def _text_frames() -> Iterator[HostileFrame]:
     """Return frames of long strings, many strings, and what is hard to tell from them."""
-    room, strings = MAX_MESSAGE_BYTES - 1000, MAX_STRINGS - _SPARE
+    room, strings = MAX_MESSAGE_BYTES - 1000, MAX_STRINGS - SPARE
     cost, back = MAX_COST - 2000, chr(92)
     escapes = (cost - room) // BACKSLASH_COST
     line = "a" * (room // escapes - 2) + back
@@ -269,8 +218,8 @@ def _hard_numbers(size: int) -> str:
 
 def _cbor_frames() -> Iterator[HostileFrame]:
     """Return frames in CBOR: as many items as may be, of each kind, and what ends in a refusal."""
-    most, room = MAX_SINGLE_ITEMS - _SPARE, MAX_MESSAGE_BYTES - 1000
-    numbers = MAX_ITEMS - _SPARE
+    most, room = MAX_SINGLE_ITEMS - SPARE, MAX_MESSAGE_BYTES - 1000
+    numbers = MAX_ITEMS - SPARE
     kinds = {
         "integers": (b"\x01", most),
         "floats": (b"\xfb" + bytes(8), most),
@@ -320,42 +269,9 @@ def _cbor(type_name: str, field: str, value: bytes) -> bytes:
 def _filled(element: str) -> str:
     """Return elements, each with its comma, as many as may stand next to a NaN."""
     tokens = element.count("NaN") + element.count("Infinity") + element.count('"') // 2
-    most = min((MAX_TOKENS - _SPARE) // tokens, (LARGE_TEXT_BYTES - 1000) // (len(element) + 1))
-    return f"{element}," * (min(most, MAX_CONTAINERS - _SPARE) if "{" in element else most)
+    most = min((MAX_TOKENS - SPARE) // tokens, (LARGE_TEXT_BYTES - 1000) // (len(element) + 1))
+    return f"{element}," * (min(most, MAX_CONTAINERS - SPARE) if "{" in element else most)
 
 
 def _operation(op: str, members: str) -> bytes:
     return f'{{"op":"{op}",{members}}}'.encode()
-
-
-def _arrays(
-    definition: Definition, definitions: InstalledDefinitions, nesting: int
-) -> Iterator[tuple[str, Definition]]:
-    """Return templates of the message with one array open, and the type of its elements."""
-    for field in definition.fields:
-        if field.type.is_primitive:
-            continue
-        inner = definitions.get(field.type.base)
-        if field.type.is_sequence and field.type.bound is None:
-            yield f'{{"{field.name}":[@]}}', inner
-            if nesting > 1:
-                for template, element in _arrays(inner, definitions, nesting - 1):
-                    yield f'{{"{field.name}":[{template}]}}', element
-        elif not field.type.is_array:
-            for template, element in _arrays(inner, definitions, nesting):
-                yield f'{{"{field.name}":{template}}}', element
-
-
-def _smallest(kind: FieldType) -> Any:
-    """Return the shortest value of a field."""
-    if kind.length is not None and not kind.is_octets:
-        return [_smallest(FieldType(kind.base))] * kind.length
-    if kind.length is not None:
-        return [0] * kind.length
-    if kind.is_array:
-        return []
-    if kind.base in STRINGS:
-        return ""
-    if kind.base in FLOATS or kind.base in INTEGER_RANGES:
-        return 0
-    return False if kind.base == "bool" else {}

@@ -96,6 +96,9 @@ _NUMBER: Final = Clockwork(
 )
 
 
+OFFERED_IMAGE: Final = "image/compressed"  # the image as an uplink offers it
+
+
 def topic(name: str, number: int = 0) -> str:
     """Return the topic of a sample, or one of many."""
     return f"/benchmark/{name.replace('-', '_')}" + (f"_{number}" if number else "")
@@ -184,6 +187,7 @@ SAMPLES: Final[dict[str, SampleKind]] = {
     "laser-scan": SampleKind(laser_scan, 1000, HEADER),
     "image": SampleKind(image, 30, HEADER),
     "image-1080p": SampleKind(lambda: image(1920, 1080), 30, HEADER),
+    OFFERED_IMAGE: SampleKind(compressed_image, 30, HEADER),
     "compressed-image": SampleKind(compressed_image, 200, HEADER),
     "point-cloud": SampleKind(point_cloud, 30, HEADER),
     "point-cloud-raw": SampleKind(point_cloud, 30, RAW_HEADER, "cbor-raw"),

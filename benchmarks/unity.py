@@ -80,10 +80,11 @@ def main() -> None:
     if reason := mono.missing():
         print(reason)
         return
+    library = package.compiled("Ros2Gateway.Displays.Core", package.STANDALONE)
     program = mono.compile_assembly(
         "unity-benchmark.exe",
         sorted(_SOURCES.glob("*.cs")),
-        references=[package.compiled("Ros2Gateway.Core", package.STANDALONE)],
+        references=list(library.closure()),
     )
     messages = _messages()
     print("\nThe Unity client under Mono: us of CPU to read a message, new and filled again")

@@ -13,13 +13,15 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Final
 
+from benchmarks.bombs import Bomb, bombs
 from benchmarks.figures import Figure
-from benchmarks.hostile_frames import Bomb, HostileFrame, bombs, plain_frames
+from benchmarks.hostile_frames import HostileFrame, plain_frames
 from benchmarks.plan import Plan
 from gateway.codec.error_text import CodecError
 from gateway.codec.json import loads
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
+from gateway.core.peer import ClientTurns, Peer
 from gateway.core.rosapi import interfaces_prefix
 from gateway.core.router import Router
 from gateway.fronts.rosbridge.front import RosbridgeFront
@@ -96,11 +98,18 @@ def _full_size(worst: list[Bomb]) -> Iterator[HostileFrame]:
             yield bomb.frame(count)
 
 
+class _CountedTurns(ClientTurns):
+    def __init__(self) -> None:
+        self.left: list[Callable[[], None]] = []  # for the next turn of the loop
+
+    def next_turn(self, work: Callable[[], None]) -> None:
+        self.left.append(work)
+
+
 def _held_ms(front: RosbridgeFront, frame: HostileFrame) -> tuple[float, float, HostileFrame]:
     """Return the thread's time for a frame that comes again, and for the first."""
-    session = front.open(lambda: None)
-    left: list[Callable[[], None]] = []  # for the next turn of the loop
-    session.next_turn = left.append
+    turns = _CountedTurns()
+    session, left = front.open(Peer(wake=lambda: None, turns=turns)), turns.left
     try:
 
         def longest_ms() -> float:

@@ -7,8 +7,10 @@ Pictures are counted by their options alone: a server may drop some, and send th
 import contextlib
 import statistics
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Final
 
 from benchmarks.figures import Figure
@@ -49,14 +51,18 @@ class Run:
     @property
     def delivered(self) -> float:
         """The share of all messages but pictures that arrived."""
-        sent = sum(number for name, number in self.sent.items() if name not in CAMERAS)
-        got = sum(one[name] for one in self.got.values() for name in self.sent.keys() - CAMERAS)
-        return got / (sent * _CLIENTS)
+        return self.share(self.sent.keys() - CAMERAS)
 
     @property
     def core_share(self) -> float:
         """The share of a core that the server used."""
         return self.spent_s / self.seconds
+
+    def share(self, names: Collection[str], options: Collection[str] = PICTURE_OPTIONS) -> float:
+        """Return the share of the messages of topics that arrived at clients with options."""
+        sent = sum(number for name, number in self.sent.items() if name in names)
+        got = sum(self.got[one][name] for one in options for name in names)
+        return got / (sent * _CLIENTS_EACH * len(options))
 
     def pictures_per_s(self, options: str) -> float:
         """Return the pictures of one camera that a client with these options got, per second."""
@@ -80,16 +86,26 @@ def measure(plan: Plan) -> list[Figure]:
     print(f"{'odometry, p50 ms':>18}{'p99 ms':>8}{'pictures, p50 ms':>18}{'p99 ms':>8}")
     figures: list[Figure] = []
     for server in plan.servers:
-        runs = _runs(server, plan)
-        figures += _totals(server.name, runs)
-        figures += _pictures(server.name, runs)
+        measured = runs(server, plan)
+        figures += _totals(server.name, measured)
+        figures += _pictures(server.name, measured)
     return figures
 
 
-def _runs(server: MeasuredServer, plan: Plan) -> list[Run]:
+def runs(server: MeasuredServer, plan: Plan) -> list[Run]:
+    """Run a robot, the server, and its clients, and count in each round."""
+    with scene(server.running()) as (_, run):
+        return [run(plan.seconds) for _ in range(plan.rounds)]
+
+
+@contextlib.contextmanager
+def scene(
+    server: AbstractContextManager[tuple[str, Process]],
+) -> Iterator[tuple[str, Callable[[float], Run]]]:
+    """Start a robot, a server, and its clients. Yield the URL, and what counts for some seconds."""
     with contextlib.ExitStack() as stack:
         robot = [stack.enter_context(_publishing(names)) for names in _nodes()]
-        url, process = stack.enter_context(server.running())
+        url, process = stack.enter_context(server)
         clients = {
             options: stack.enter_context(acting("robot_clients", url, options, _CLIENTS_EACH))
             for options in PICTURE_OPTIONS
@@ -101,7 +117,7 @@ def _runs(server: MeasuredServer, plan: Plan) -> list[Run]:
             lambda: all(one.ask("complete") == _CLIENTS_EACH for one in clients.values()),
             f"{_CLIENTS} clients get all topics",
         )
-        return [_run(robot, process, clients, plan.seconds) for _ in range(plan.rounds)]
+        yield url, partial(_run, robot, process, clients)
 
 
 def _nodes() -> tuple[list[str], list[str]]:
@@ -149,23 +165,23 @@ def _ms(summary: Mapping[str, Any], percentile: str) -> float:
     return float(summary.get(f"{percentile}_ms", float("nan")))
 
 
-def _totals(who: str, runs: Sequence[Run]) -> list[Figure]:
+def _totals(who: str, measured: Sequence[Run]) -> list[Figure]:
     """Print the row of a server."""
 
     def median(name: str, values: Iterator[float], unit: str) -> Figure:
         return Figure(_SCENARIO, f"{who}, {name}", statistics.median(values), unit)
 
     figures = [
-        median("frames", (one.frames_per_s for one in runs), "frames/s"),
-        median("delivered", (one.delivered * 100 for one in runs), "%"),
-        median("of a core", (one.core_share * 100 for one in runs), "%"),
-        median("memory", (one.memory_mb for one in runs), "MB"),
-        median("odometry p50", (one.odometry_ms("p50") for one in runs), "ms"),
-        median("odometry p99", (one.odometry_ms("p99") for one in runs), "ms"),
+        median("frames", (one.frames_per_s for one in measured), "frames/s"),
+        median("delivered", (one.delivered * 100 for one in measured), "%"),
+        median("of a core", (one.core_share * 100 for one in measured), "%"),
+        median("memory", (one.memory_mb for one in measured), "MB"),
+        median("odometry p50", (one.odometry_ms("p50") for one in measured), "ms"),
+        median("odometry p99", (one.odometry_ms("p99") for one in measured), "ms"),
         *(
             median(
                 f"pictures {percentile}",
-                (one.picture_ms(percentile, name) for one in runs for name in PICTURE_OPTIONS),
+                (one.picture_ms(percentile, name) for one in measured for name in PICTURE_OPTIONS),
                 "ms",
             )
             for percentile in ("p50", "p99")
@@ -177,14 +193,14 @@ def _totals(who: str, runs: Sequence[Run]) -> list[Figure]:
     return figures
 
 
-def _pictures(who: str, runs: Sequence[Run]) -> list[Figure]:
+def _pictures(who: str, measured: Sequence[Run]) -> list[Figure]:
     """Print the pictures of a server by the clients' options."""
     figures: list[Figure] = []
     print(f"    {'pictures with':20}{'a second':>10}{'p50 ms':>8}{'p99 ms':>8}")
     for options in PICTURE_OPTIONS:
-        rate_hz = statistics.median(one.pictures_per_s(options) for one in runs)
-        p50_ms = statistics.median(one.picture_ms("p50", options) for one in runs)
-        p99_ms = statistics.median(one.picture_ms("p99", options) for one in runs)
+        rate_hz = statistics.median(one.pictures_per_s(options) for one in measured)
+        p50_ms = statistics.median(one.picture_ms("p50", options) for one in measured)
+        p99_ms = statistics.median(one.picture_ms("p99", options) for one in measured)
         print(f"    {options:20}{rate_hz:10.1f}{p50_ms:8.1f}{p99_ms:8.1f}", flush=True)
         case = f"{who}, pictures with {options}"
         figures.append(Figure(_SCENARIO, f"{case}, rate", rate_hz, "Hz"))

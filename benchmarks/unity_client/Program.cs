@@ -6,6 +6,8 @@ using System.Threading;
 using Ros2Gateway;
 using Ros2Gateway.Json;
 using Ros2Gateway.Messages;
+using Ros2Gateway.Messages.GeometryMsgs;
+using Ros2Gateway.Messages.NavMsgs;
 using Ros2Gateway.Messages.SensorMsgs;
 using Ros2Gateway.Pictures;
 
@@ -26,6 +28,11 @@ namespace Ros2Gateway.Benchmarks
 
         private static int Main(string[] arguments)
         {
+            MessageCatalogue.Register<PoseStampedMsg>();
+            MessageCatalogue.Register<OdometryMsg>();
+            MessageCatalogue.Register<LaserScanMsg>();
+            MessageCatalogue.Register<PointCloud2Msg>();
+            MessageCatalogue.Register<CompressedImageMsg>();
             switch (arguments[0])
             {
                 case "read":
