@@ -4,7 +4,9 @@
 import asyncio
 import contextlib
 import functools
-from collections.abc import AsyncIterator, Callable
+import http.server
+import threading
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -24,6 +26,42 @@ CHROMIUM = Path(__file__).with_name("chromium.sh")
 DESK = {"width": 1280, "height": 800}
 OWN_TOPICS = {"/diagnostics", "/parameter_events", "/rosout"}  # of a gateway
 HOW = "no browser: run tools/make-browser.sh as root, and pip install playwright"
+
+# a card that gets what `take` and `says` give it. Time passes when `drawn` draws it
+ALONE = """async ({ view, type = "std_msgs/msg/Float64", types = [type], ...others }) => {
+    const { fields = [], settings = {} } = others;
+    const { TopicCard } = await import("/debug/cards/topic_card.js");
+    window.now = 1000;
+    performance.now = () => now;
+    window.subscriptions = [];
+    window.hear = {};
+    const gateway = {
+        graph: {
+            typeOf: () => types[0],
+            topics: new Map([["/x", { types, publishers: ["/talker"] }]]),
+        },
+        isOpen: true,
+        on: (name, take) => { hear[name] = take; return () => {}; },
+        throttleOf: () => 0,
+        subscribe: (topic, options, take, says) => {
+            subscriptions.push(options);
+            window.take = (message) => take(message, 9, "{}", 0);
+            window.says = says;
+            return () => {};
+        },
+    };
+    const shown = { topic: "/x", view, fields, rate: 0, settings };
+    window.gateway = gateway;
+    window.alone = new TopicCard(gateway, shown, { changed() {}, open() {} });
+    document.getElementById("cards").append(alone.element);
+    window.drawn = () => { now += 100; alone.draw(now); alone.tick(); };
+    window.press = (name) => alone.element.querySelector(`[aria-label="${name}"]`).click();
+}"""
+NO_CLIPBOARD = """
+    window.copied = [];
+    const writeText = async (text) => copied.push(text);
+    Object.defineProperty(navigator, "clipboard", { value: { writeText } });
+"""
 
 OpenPage = Callable[..., AbstractAsyncContextManager["Page"]]  # noqa: F821  # of playwright
 
@@ -101,6 +139,24 @@ async def speaker(demo: GatewayProcess) -> AsyncIterator[Client]:
         yield speaker
 
 
+class _FileHandler(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_: object) -> None:
+        """Say nothing."""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[tuple[Path, str]]:
+    """A folder that a web server of this machine serves, and the address of that."""
+    handler = functools.partial(_FileHandler, directory=tmp_path)
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    yield tmp_path, f"http://localhost:{server.server_port}"
+    server.shutdown()
+    thread.join()
+    server.server_close()
+
+
 def page_address(gateway: GatewayProcess) -> str:
     """Return where a gateway's pages are."""
     return gateway.url.replace("ws://", "http://")
@@ -146,6 +202,33 @@ def open_page(browser) -> OpenPage:
         assert wrong == []
 
     return open_it
+
+
+@pytest.fixture
+def open_card(open_page, served):
+    """Return a function that opens a page with one card, which is fed by hand."""
+
+    @contextlib.asynccontextmanager
+    async def open_it(view: str, **shown):
+        address = page_address(served) + "#card=none"  # which is said, and leaves the place empty
+        async with open_page(address, script=NO_CLIPBOARD) as page:
+            await page.wait_for_selector("#cards > .empty")
+            await page.evaluate(ALONE, {"view": view, **shown})
+            yield page
+
+    return open_it
+
+
+async def saved(page, press) -> tuple[str, str]:
+    """Return the name and the text of the file that a page saves once something is pressed."""
+    async with page.expect_download() as expected:
+        await press
+    download = await expected.value
+    return download.suggested_filename, text_of(await download.path())
+
+
+def text_of(path: Path) -> str:
+    return Path(path).read_text(encoding="utf-8")
 
 
 class Line:

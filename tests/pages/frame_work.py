@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measure the lab's own part of a frame: ``python -m tests.pages.frame_work``.
+"""Measure the pages' own part of a frame: ``python -m tests.pages.frame_work [lab] [scene]``.
 
-It runs in an emulated headset. The work before drawing and three's own work on the processor are
-told apart. The work of the GPU is in neither. A test would measure no more than the machine.
+The lab runs in an emulated headset. The work before drawing and three's own work on the processor
+are told apart. The work of the GPU is in neither. A test would measure no more than the machine.
 """
 
 import asyncio
+import sys
 
 from playwright.async_api import async_playwright
 
@@ -13,8 +14,10 @@ from tests.demonstration import demonstration
 from tests.pages.conftest import CHROMIUM, page_address
 from tests.pages.lab import KEEP, SMALL
 from tests.pages.test_lab_headset import INSTALL, IWER, QUEST
+from tests.pages.test_scene import STAGE, URDF
 
 FRAMES = 1000
+SCENE_FRAMES = 150  # the software renderer takes its time for each
 # the right hand aims, a screen is new each time, and odometry and scan come as fast as they may
 MEASURE = """frames => new Promise((resolve) => {
     const spans = { work: [], render: [], message: [] };
@@ -46,8 +49,90 @@ MEASURE = """frames => new Promise((resolve) => {
     });
 })"""
 
+# a robot, a map, a scan of 720 rays and a cloud of 50,000 points, all new in each frame but the map
+SCENE = (
+    "async ([frames, urdf]) => {"
+    + STAGE
+    + """
+    const spans = { message: [], painted: [], step: [], render: [] };
+    const take = (name, run) => {
+        const began = performance.now();
+        run();
+        spans[name].push(performance.now() - began);
+    };
+    const onmessage = {
+        set(hear) {
+            this.addEventListener("message", (event) => take("painted", () => hear(event)));
+        },
+    };
+    Object.defineProperty(Worker.prototype, "onmessage", onmessage);
+    for (const [topic, type] of [["/map", "nav_msgs/msg/OccupancyGrid"],
+        ["/scan", "sensor_msgs/msg/LaserScan"], ["/points", "sensor_msgs/msg/PointCloud2"],
+        ["/robot_description", "std_msgs/msg/String"]]) knows(topic, type);
+    const scene = begin();
+    scene.element.style.height = "360px";
+    const points = 50_000;
+    const numbers = Int16Array.from({ length: 3 * points }, (_, at) => (at * 7919) % 32768);
+    const data = new Uint8Array(numbers.buffer);
+    const fields = ["x", "y", "z"].map((name) => ({ name, scale: 1e-4, offset: 0 }));
+    const cloud = { header, format: "int16", points, of: points, fields, available: [], data };
+    const scan = { header, ranges: new Float32Array(720).fill(2), angle_min: 0,
+        angle_increment: 0.0087, range_min: 0.1, range_max: 9 };
+    const info = { resolution: 0.05, width: 1000, height: 1000, origin: pose };
+    say("/map", { header, info, data: new Int8Array(1_000_000) });
+    say("/robot_description", { data: urdf });
+    const render = scene.renderer.render.bind(scene.renderer);
+    let rendered = 0;
+    scene.renderer.render = (...of) => {
+        const began = performance.now();
+        render(...of);
+        rendered = performance.now() - began;
+        spans.render.push(rendered);
+    };
+    while (spans.step.length < frames) {
+        await frame();
+        take("message", () => {
+            const translation = { x: spans.step.length * 0.001, y: 0, z: 0 };
+            const transform = { ...identity, translation };
+            const known = { header: { frame_id: "map" }, child_frame_id: "base_link" };
+            say("/tf", { transforms: [{ ...known, transform }] });
+            say("/scan", scan);
+            say("/points", cloud);
+        });
+        const began = performance.now();
+        scene.draw();
+        spans.step.push(performance.now() - began - rendered);
+    }
+    const quantile = (sorted, share) => sorted[Math.floor(share * (sorted.length - 1))].toFixed(3);
+    return Object.entries(spans).map(([name, found]) => {
+        const mean = found.reduce((sum, each) => sum + each, 0) / found.length;
+        found.sort((one, other) => one - other);
+        return `${name}: mean ${mean.toFixed(3)} ms, median ${quantile(found, 0.5)} ms, `
+            + `p99 ${quantile(found, 0.99)} ms, ${found.length} times`;
+    }).join("\\n");
+}"""
+)
 
-async def main() -> None:
+
+async def main(parts: list[str]) -> None:
+    """Print what was measured of the lab, the scene, or both."""
+    if not parts or "lab" in parts:
+        await lab()
+    if not parts or "scene" in parts:
+        await scene()
+
+
+async def scene() -> None:
+    """Draw a scene that is fed by hand."""
+    async with demonstration() as gateway, async_playwright() as driver:
+        browser = await driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        page = await browser.new_page(viewport=SMALL)
+        await page.goto(f"{page_address(gateway)}#cards=none")
+        print(await page.evaluate(SCENE, [SCENE_FRAMES, URDF]))  # noqa: T201  # what it is for
+        await browser.close()
+
+
+async def lab() -> None:
     """Open the lab, enter VR and print what was measured."""
     async with demonstration() as gateway, async_playwright() as driver:
         browser = await driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
@@ -64,4 +149,4 @@ async def main() -> None:
 
 
 if __name__ == "__main__":
-    asyncio.run(main())
+    asyncio.run(main(sys.argv[1:]))

@@ -19,6 +19,7 @@ UNDER_WAY_MS = 1_500
 FLOOR = (800, 470)  # of the lab, a metre ahead of the robot's start
 GOAL = {"pose": {"pose": {"position": {"x": 2.5, "y": 1.5}}}}
 FORMS = "#card=publish+0+/cmd_vel&card=goal+0+/navigate_to_pose&card=graph+0+/"
+SCENE = "#card=scene+0+/"
 
 
 async def main() -> None:
@@ -44,6 +45,7 @@ async def main() -> None:
         for name, path, size in (
             ("forms", FORMS, DESK),
             ("drive", "drive", DESK),
+            ("scene", SCENE, DESK),
             ("phone", "", PHONE),
         ):
             other = await browser.new_page(viewport=size, color_scheme="dark")

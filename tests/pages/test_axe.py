@@ -51,6 +51,7 @@ pytestmark = [
 @pytest.mark.parametrize(
     ("path", "shown"),
     [
+        ("#card=scene+0+/&card=map+0+/map", ".layers input[type=range]"),
         (VIEWS, "article .tree dd"),
         (FORMS, "article .form input"),
         ("drive", "#stick"),
@@ -71,5 +72,26 @@ async def test_axe_finds_nothing(demo, open_page, path, shown, scheme):
 async def test_axe_finds_nothing_on_a_phone(demo, open_page):
     async with open_page(page_address(demo) + FORMS, viewport=PHONE, has_touch=True) as page:
         await page.wait_for_selector("article .form input")
+        await page.evaluate(AXE.read_text(encoding="utf-8"))
+        assert await page.evaluate(FOUND) == []
+
+
+STATES = {
+    "menu": "() => document.querySelector('.bar .more').click()",
+    "menu of a card": "() => document.querySelector('article .more').click()",
+    "layouts": "() => document.querySelector('.bar [aria-label=Layout]').click()",
+    "keys": "() => document.getElementById('keys').show()",
+    "one card": "() => document.querySelector('article .controls ~ .corner').parentElement"
+    ".dispatchEvent(new MouseEvent('dblclick', { bubbles: true }))",
+}
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+@pytest.mark.parametrize("state", STATES)
+async def test_axe_finds_nothing_in_any_state(demo, open_page, state, scheme):
+    tabs = "#tab=One&card=tree+0+/odom&card=tree+0+/imu&tab=Two"
+    async with open_page(page_address(demo) + tabs, color_scheme=scheme) as page:
+        await page.wait_for_selector("article .tree dd")
+        await page.evaluate(STATES[state])
         await page.evaluate(AXE.read_text(encoding="utf-8"))
         assert await page.evaluate(FOUND) == []

@@ -369,7 +369,8 @@ async def test_that_there_is_no_connection_is_said_until_there_is_one(demo, open
         await problem.wait_for(state="hidden")
 
 
-async def test_a_goal_tells_its_feedback_and_is_cancelled(demo, open_page):
+@pytest.mark.parametrize("end", ["Cancel", "STOP"])
+async def test_a_goal_tells_its_feedback_and_is_cancelled(demo, open_page, end):
     async with client(demo.url) as other, open_page(page_address(demo)) as page:
         await until_it_can_be_driven(other)
         await page.click("#tab-actions")
@@ -384,8 +385,9 @@ async def test_a_goal_tells_its_feedback_and_is_cancelled(demo, open_page):
         )
         await page.click(f"{form(title)} button:text-is('Send goal')")
         await until(page, "() => cards.textContent.includes('a goal is in progress')")
-        await page.click(f"{form(title)} button:text-is('Cancel')")
-        await until(page, "() => /canceled after/.test(cards.textContent)")
+        await page.click(f"{form(title)} button:text-is('Cancel')" if end == "Cancel" else "#stop")
+        await until(page, "() => /(canceled|aborted) after/.test(cards.textContent)")
+        assert await page.evaluate("sent.some((text) => text.includes('cancel_action_goal'))")
 
 
 @pytest.mark.parametrize(
@@ -516,7 +518,8 @@ async def test_the_limits_of_the_connection_are_shown_in_words_with_units(demo, 
     async with client(demo.url) as other, open_page(page_address(demo)) as page:
         await other.send(op="hello")
         hello = await other.receive(lambda frame: frame["op"] == "hello")
-        await page.click("header button:text-is('Limits')")
+        await page.click(".bar .more")
+        await page.get_by_role("menuitem", name="Limits of this connection").click()
         await page.wait_for_selector(f"{form('connection')} dt")
         rows = {}
         for row in await page.locator(f"{form('connection')} dl:first-child > div").all():

@@ -199,7 +199,7 @@ async def test_a_teleport_ends_where_there_is_nothing_beyond(enter):
 async def test_a_ray_to_the_television_goes_no_farther(enter):
     async with enter() as page:
         await page.evaluate("() => lab.viewer.rig.position.set(0, 0, -1)")
-        await page.evaluate(POINT, ["right", 5, 0])  # by the floor behind it
+        await page.evaluate(POINT, ["right", 7, 0])  # by the floor behind it
         await page.evaluate("() => device.controllers.right.position.set(0, 1.9, 0)")
         await frames(page)
         start = await page.evaluate(HEAD)
@@ -329,6 +329,33 @@ async def test_bare_hands_point_and_the_left_one_stops(enter, speaker):
             (joint) => joint.children.length
         ).length"""
         assert await page.evaluate(joints) == 25
+
+
+# a pose of the emulated hands in which thumb and middle finger meet
+CLOSE = """() => {
+    const hand = device.hands.right;
+    const inner = Object.getOwnPropertySymbols(hand).map((each) => hand[each]);
+    const { poses } = inner.find((each) => each?.poses);
+    const { jointTransforms } = poses.default;
+    const closed = { ...jointTransforms, "middle-finger-tip": jointTransforms["thumb-tip"] };
+    poses.closed ??= { ...poses.default, jointTransforms: closed };
+    hand.poseId = "closed";
+}"""
+
+
+async def test_thumb_and_middle_finger_move_the_user_and_not_the_robot(enter):
+    async with enter() as page:
+        await page.evaluate("() => { device.primaryInputMode = 'hand'; }")
+        await page.evaluate(POINT, ["right", 0.5, 0.6])
+        await frames(page)
+        start = await page.evaluate(HEAD)
+        await page.evaluate(CLOSE)
+        await frames(page)
+        assert await page.evaluate(HEAD) == pytest.approx(start, abs=1e-3)
+        await page.evaluate("() => { device.hands.right.poseId = 'default'; }")
+        await frames(page)
+        assert await page.evaluate(HEAD) == pytest.approx([0.5, 0.6], abs=1e-3)
+        assert await page.evaluate("() => lab.pilot.words") == ""
 
 
 async def test_the_user_leaves_vr_and_stands_in_the_room_again(enter):

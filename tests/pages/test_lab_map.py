@@ -36,7 +36,8 @@ ON_WALLS = """() => {
 }"""
 # the number of pixels of the room that have the colour of a token, as seen from above the robot
 SEEN = """(name) => {
-    const { viewer, renderer } = lab;
+    const { viewer, renderer, map } = lab;
+    map.world.traverse((each) => { if (each.material?.flatShading) each.visible = false; });
     viewer.camera.rotation.x = -1.4;
     lab.render();
     const { width, height } = renderer.domElement;

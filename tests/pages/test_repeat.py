@@ -99,6 +99,31 @@ async def test_nothing_goes_out_of_a_page_that_nobody_sees(demo, open_page):
         await has_ended(page, "The page was hidden")
 
 
+async def test_nothing_goes_out_of_a_tab_that_is_not_shown(demo, open_page):
+    tabs = "#tab=One&card=publish+0+/goal_pose&tab=Two"
+    async with open_page(page_address(demo) + tabs + "&shown=1") as page:
+        await repeat(page)
+        await page.click("#desk-tabs button:text-is('Two')")
+        await page.click("#desk-tabs button:text-is('One')")
+        await has_ended(page, "Another tab was shown")
+
+
+async def test_a_stick_is_let_go_when_another_tab_is_shown(demo, open_page):
+    tabs = "#tab=One&card=drive+0+/cmd_vel&tab=Two&shown=1"
+    async with open_page(page_address(demo) + tabs) as page:
+        await page.wait_for_selector(".control:has-text('Stopped')")
+        stick = await page.locator(".stick").bounding_box()
+        x, y = stick["x"] + stick["width"] / 2, stick["y"] + 20
+        await page.mouse.move(x, y)
+        await page.mouse.down()
+        knob = "() => document.querySelector('.knob').style.transform"
+        assert await page.evaluate(knob) != "translate(0rem, 0rem)"
+        two = "() => document.querySelector('#desk-tabs button:last-child').click()"
+        await page.evaluate(two)  # as a second finger does
+        assert await page.evaluate(knob) == "translate(0rem, 0rem)"
+        await page.mouse.up()
+
+
 async def test_half_a_number_is_not_repeated(demo, open_page):
     async with open_page(page_address(demo) + ADDRESS) as page:
         place = field(page, TITLE, "pose", "position", "x")

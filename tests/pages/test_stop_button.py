@@ -168,3 +168,80 @@ async def test_no_form_moves_anything_while_stop_is_held(demo, open_page):
         )
         sent = "sent.map(JSON.parse).filter(({ op }) => /^(publish|send_action_goal)$/.test(op))"
         assert await page.evaluate(f"() => {sent}.length") == 0
+
+
+async def test_stop_stays_in_reach_while_a_dialog_is_open(demo, open_page):
+    async with open_page(f"{page_address(demo)}drive", script=NOTE_SENT) as page:
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+        await page.keyboard.press("?")
+        await page.wait_for_selector("#keys[open]")
+        await page.keyboard.press("Space")
+        assert await page.evaluate(STOPS) == 1
+        await page.click("#stop", timeout=10_000)
+        assert await page.evaluate(STOPS) == 2
+        await page.focus("#keys button")
+        moving = "({ stopBySpace }) => stopBySpace({ isMoving: () => true })"
+        await page.evaluate(f"() => import('/shared/stop.js').then({moving})")
+        await page.keyboard.press("Space")
+        assert await page.evaluate(STOPS) == 3
+        assert await page.is_visible("#keys")
+        await page.keyboard.press("Escape")
+        await page.wait_for_selector("#keys", state="hidden")
+
+
+async def test_stop_stays_in_reach_while_a_name_is_asked_for(demo, open_page):
+    async with open_page(page_address(demo) + "#card=tree+0+/odom", script=NOTE_SENT) as page:
+        await page.wait_for_selector("article .tree dd")
+        await page.dblclick("article h3")  # Escape closes the question alone
+        for _ in range(2):  # one question at a time
+            await page.get_by_role("button", name="Layout", exact=True).click()
+            await page.get_by_role("menuitem", name="New tab").click()
+        assert await page.locator("dialog.question").count() == 1
+        await page.click("#stop", timeout=10_000)
+        assert await page.evaluate(STOPS) == 1
+        await page.keyboard.press("Escape")
+        await page.wait_for_selector("dialog.question", state="detached")
+        assert await page.locator("article.whole").count() == 1
+
+
+@pytest.mark.parametrize("size", [PHONE, {"width": 1280, "height": 800}])
+async def test_a_notice_lies_above_a_card_that_fills_the_page(demo, open_page, size):
+    on_top = """each => {
+        const { x, y, width, height } = each.getBoundingClientRect();
+        return each.contains(document.elementFromPoint(x + width / 2, y + height / 2));
+    }"""
+    address = page_address(demo) + "#card=image+0+/camera/image_raw"
+    async with open_page(address, size) as page:
+        await page.click("text='Full screen'")
+        await page.wait_for_selector("article.full")
+        await page.evaluate("import('/shared/notice.js').then(({ tell }) => tell('Note'))")
+        await page.evaluate("() => { recorder.hidden = false; }")
+        full = page.locator(".card.full .pictured button")
+        for each in (page.locator("#notice"), page.locator("#stop"), full):
+            assert await each.evaluate(on_top)
+        await page.evaluate("() => { notice.hidden = true; }")
+        assert await page.locator("#recorder").evaluate(on_top)
+        await page.evaluate("() => { recorder.hidden = true; }")
+        await page.select_option("select[aria-label='view of /camera/image_raw']", "tree")
+        assert await page.locator("article.full").count() == 0
+        assert not await page.evaluate("() => document.querySelector('main > nav').inert")
+
+
+async def test_a_menu_covers_no_stop_on_a_small_screen(demo, open_page):
+    small = {"width": 320, "height": 300}
+    async with open_page(page_address(demo) + "#card=tree+0+/odom", small) as page:
+        await page.click(".bar .more")
+        top = await page.evaluate("() => document.querySelector('.menu:popover-open').offsetTop")
+        bar = await page.locator(".bar").bounding_box()
+        assert top >= bar["y"] + bar["height"]
+
+
+async def test_a_page_whose_storage_is_blocked_has_stop(demo, open_page):
+    blocked = """for (const name of ["localStorage", "sessionStorage"]) {
+        const get = () => { throw new DOMException("denied", "SecurityError"); };
+        Object.defineProperty(window, name, { configurable: true, get });
+    }"""
+    async with open_page(f"{page_address(demo)}drive", script=blocked) as page:
+        await page.wait_for_selector(".state[data-state=open]", timeout=30_000)
+        await page.click("#stop")
+        await page.wait_for_function(STOPPED)

@@ -14,13 +14,16 @@ READ = ("text", "quiet", "accent", "warning", "series-4")
 DRAWN = ("series-1", "series-2", "series-3", "series-4")
 LEAST_DRAWN = 3  # of lines and shapes (WCAG 2, 1.4.11)
 BEHIND = ("ground", "surface", "raised")
+TOKENS = r":root(?:\[data-theme=\"light\"\])? \{(.*?)\}"
+# parts of a distance, a size of type or a radius, in addition to tokens
+PLAIN = {"!important", "0", "auto", "inherit", "calc", "max", "min", "1px", "2", "-", "*", "+"}
 
 
 def colours(scheme: str) -> dict[str, str]:
     """Return the tokens of a scheme. Light says only what is different from dark."""
     dark, light = (
         dict(re.findall(r"--([a-z0-9-]+): (#[0-9a-f]{6});", block))
-        for block in re.findall(r":root \{(.*?)\}", STYLE, re.DOTALL)
+        for block in re.findall(TOKENS, STYLE, re.DOTALL)
     )
     return dark if scheme == "dark" else dark | light
 
@@ -41,7 +44,7 @@ def contrast(one: str, other: str) -> float:
 @pytest.mark.parametrize("scheme", ["dark", "light"])
 def test_text_stands_out(scheme):
     tokens = colours(scheme)
-    pairs = [*itertools.product(READ, BEHIND), ("on-danger", "danger")]
+    pairs = [*itertools.product(READ, BEHIND), ("on-danger", "danger"), ("on-accent", "accent")]
     found = {pair: round(contrast(*(tokens[name] for name in pair)), 2) for pair in pairs}
     assert {pair: ratio for pair, ratio in found.items() if ratio < LEAST} == {}
 
@@ -76,8 +79,25 @@ def test_text_fields_have_a_visible_edge(scheme):
     assert "::placeholder { color: var(--quiet); opacity: 1; }" in STYLE  # as a browser would not
 
 
-def test_rules_use_the_names_of_colours_alone():
-    sheets = [re.sub(r":root \{.*?\}", "", STYLE, flags=re.DOTALL)]
-    sheets += [(PAGES / name).read_text() for name in ("drive/drive.css", "lab/lab.css")]
-    colour = r"#[0-9a-fA-F]{3,8}\b(?=[;\s])|\b(?:rgba?|hsla?)\("
-    assert [re.findall(colour, sheet) for sheet in sheets] == [[], [], []]
+SHEETS = [each for each in PAGES.rglob("*.css") if each.parent.name != "vendor"]
+
+
+def rules(sheet: Path) -> str:
+    return re.sub(TOKENS, "", sheet.read_text(), flags=re.DOTALL)
+
+
+@pytest.mark.parametrize("sheet", SHEETS, ids=lambda each: each.name)
+def test_rules_use_the_names_of_colours_alone(sheet):
+    assert re.findall(r"#[0-9a-fA-F]{3,8}\b(?=[;\s])|\b(?:rgba?|hsla?)\(", rules(sheet)) == []
+
+
+@pytest.mark.parametrize("sheet", SHEETS, ids=lambda each: each.name)
+def test_rules_use_the_names_of_distances_sizes_of_type_and_radii_alone(sheet):
+    kinds = r"font-size|border-radius|(?:row-|column-)?gap|padding(?:-[a-z-]+)?"
+    found = re.findall(rf"(?<![\w-])((?:{kinds}): [^;}}]+)", rules(sheet))
+    assert found
+    named = re.compile(r"var\(--[a-z0-9-]+\)")
+    parts = {
+        each: set(re.split(r"[\s()]+", named.sub("", each.partition(": ")[2]))) for each in found
+    }
+    assert {each: left - PLAIN - {""} for each, left in parts.items() if left - PLAIN - {""}} == {}

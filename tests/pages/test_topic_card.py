@@ -1,71 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """A card of a topic, fed by hand: what it keeps while it is paused, and what it says how long."""
 
-import contextlib
-
 import pytest
 
 from tests.client import client
-from tests.pages.conftest import page_address
+from tests.pages.conftest import NO_CLIPBOARD, page_address
 from tests.pages.test_debug_page import card, until
 from tests.pages.test_world_views import COUNT
 
 pytestmark = pytest.mark.asyncio(loop_scope="package")
 
-# a card that gets what `take` and `says` give it. Time passes when `drawn` draws it
-ALONE = """async ({ view, fields = [], type = "std_msgs/msg/Float64", types = [type] }) => {
-    const { TopicCard } = await import("/debug/cards/topic_card.js");
-    window.now = 1000;
-    performance.now = () => now;
-    window.subscriptions = [];
-    window.hear = {};
-    const gateway = {
-        graph: {
-            typeOf: () => types[0],
-            topics: new Map([["/x", { types, publishers: ["/talker"] }]]),
-        },
-        isOpen: true,
-        on: (name, take) => { hear[name] = take; return () => {}; },
-        throttleOf: () => 0,
-        subscribe: (topic, options, take, says) => {
-            subscriptions.push(options);
-            window.take = (message) => take(message, 9, "{}", 0);
-            window.says = says;
-            return () => {};
-        },
-    };
-    const shown = { topic: "/x", view, fields, rate: 0 };
-    window.gateway = gateway;
-    window.alone = new TopicCard(gateway, shown, { changed() {}, open() {} });
-    document.getElementById("cards").append(alone.element);
-    window.drawn = () => { now += 100; alone.draw(now); alone.tick(); };
-    window.press = (name) => alone.element.querySelector(`[aria-label="${name}"]`).click();
-}"""
-NO_CLIPBOARD = """
-    window.copied = [];
-    const writeText = async (text) => copied.push(text);
-    Object.defineProperty(navigator, "clipboard", { value: { writeText } });
-"""
 LOG = "rcl_interfaces/msg/Log"
 LINES = "() => [...document.querySelectorAll('.log li')].map((each) => each.textContent.at(-1))"
 PROBLEM = "() => document.querySelector('article > .problem').textContent"
 FOOTER = "() => document.querySelector('article > footer').textContent"
 LABEL = "() => document.querySelector('.u-series:last-child .u-label')?.textContent"
-
-
-@pytest.fixture
-def open_card(open_page, served):
-    """Return a function that opens a page with one card, which is fed by hand."""
-
-    @contextlib.asynccontextmanager
-    async def open_it(view: str, **shown):
-        address = page_address(served) + "#card=none"  # which is said, and leaves the place empty
-        async with open_page(address, script=NO_CLIPBOARD) as page:
-            await page.wait_for_selector("#cards > .empty")
-            await page.evaluate(ALONE, {"view": view, **shown})
-            yield page
-
-    return open_it
 
 
 async def plotted(page) -> None:

@@ -8,7 +8,7 @@ import pytest
 from tests.client import client
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address, robots_domain, severable
-from tests.pages.test_debug_page import card, new_token, until
+from tests.pages.test_debug_page import NOTE_SENT, card, new_token, until
 
 pytestmark = pytest.mark.asyncio(loop_scope="package")
 
@@ -27,7 +27,7 @@ def words(topic: str) -> str:
     """Return a script for what the list says of a topic."""
     buttons = "[...document.querySelectorAll('#topics li > button:first-child')]"
     name = f"each.firstChild.textContent === {json.dumps(topic)}"
-    return f"{buttons}.find((each) => {name})?.lastChild.textContent"
+    return f"{buttons}.find((each) => {name})?.lastChild.title"
 
 
 @pytest.mark.parametrize(
@@ -361,3 +361,132 @@ async def test_a_press_that_has_begun_counts_though_topics_come_and_go(open_page
         await row.hover()
         await page.mouse.up()
         await page.wait_for_selector(card("/c"))
+
+
+@pytest.mark.parametrize("size", ["#cards=none", "#cards=none&measure=all"])
+async def test_25_topics_have_a_line_each_on_a_screen_of_900_pixels(open_page, served, size):
+    laptop = {"width": 1440, "height": 900}
+    shown = """() => [...document.querySelectorAll("#topics li")].filter((each) => {
+        const { top, bottom } = each.getBoundingClientRect();
+        return top > 0 && bottom <= innerHeight && each.offsetHeight < 30;
+    }).length"""
+    async with (
+        client(served.url) as robot,
+        open_page(page_address(served) + size, laptop) as page,
+    ):
+        for number in range(30):
+            name = f"/a_topic_with_a_long_name_{number}"
+            await robot.send(op="advertise", topic=name, type="geometry_msgs/PoseStamped")
+        await until(page, "() => document.querySelectorAll('#topics li').length > 30")
+        assert await page.evaluate(shown) >= 25
+
+
+async def test_rate_and_size_cost_nothing_until_they_can_be_seen(demo, open_page):
+    asked = """() => sent.map((each) => JSON.parse(each))
+        .filter(({ op, topic }) => op === "subscribe" && topic === "scan").length"""
+    ended = """() => sent.map((each) => JSON.parse(each))
+        .some(({ op, topic }) => op === "unsubscribe" && topic === "scan")"""
+    async with open_page(f"{page_address(demo)}#cards=none", TALL, script=NOTE_SENT) as page:
+        row = "#topics li[data-topic='/scan'] .figures"
+        await page.wait_for_selector(row, state="attached")
+        assert await page.inner_text(row) == ""
+        assert await page.evaluate(asked) == 0
+        await page.check(MEASURE)
+        await until(page, f'() => / Hz/.test(document.querySelector("{row}").innerText)')
+        assert await page.locator(f"{row} span").all_inner_texts() != []
+        assert await page.evaluate(asked) == 1
+        await page.click("#tab-services")
+        await until(page, ended)
+
+
+async def test_namespaces_stay_folded(demo, open_page):
+    image = "#topics li[data-topic='/camera/image_raw']"
+    async with open_page(f"{page_address(demo)}#cards=none") as page:
+        await page.wait_for_selector(image)
+        await page.click(".bar .more")
+        await page.get_by_role("menuitem", name="Fold all namespaces", exact=True).click()
+        await page.wait_for_selector(image, state="hidden")
+        await page.reload()
+        await page.wait_for_selector(image, state="hidden")
+        await page.click(".bar .more")
+        await page.get_by_role("menuitem", name="Unfold all namespaces", exact=True).click()
+        await page.wait_for_selector(image)
+
+
+async def test_a_slash_leads_to_the_search_but_in_a_text_it_is_a_slash(demo, open_page):
+    async with open_page(f"{page_address(demo)}#card=tree+0+/odom") as page:
+        await page.wait_for_selector("#topics li[data-topic='/odom']")
+        await page.keyboard.press("/")
+        assert await page.evaluate("() => document.activeElement.id") == "search"
+        await page.keyboard.type("/odom")
+        assert await page.input_value("#search") == "/odom"
+        await page.focus("#tab-topics")
+        await page.keyboard.press("/")  # and what is there is chosen
+        await page.keyboard.type("imu")
+        assert await page.input_value("#search") == "imu"
+
+
+@pytest.mark.parametrize(
+    ("topics", "frames", "robots"),
+    [
+        ({"/odom": "nav_msgs/msg/Odometry"}, [], []),
+        ({"/a/odom": "nav_msgs/msg/Odometry", "/b/image": "sensor_msgs/msg/Image"}, [], ["a"]),
+        (
+            {"/b/cmd_vel": "geometry_msgs/msg/Twist", "/a/tf": "tf2_msgs/msg/TFMessage"},
+            ["map", "c/base_link", "/d/odom"],
+            ["a", "b", "c", "d"],
+        ),
+    ],
+)
+async def test_a_robot_has_a_namespace_or_a_prefix_of_its_frames(evaluate, topics, frames, robots):
+    find = """async ([topics, frames]) => {
+        const { robotsOf } = await import("/debug/robots.js");
+        const all = Object.entries(topics).map(([name, type]) => ({ name, types: [type] }));
+        return robotsOf(all, frames);
+    }"""
+    assert await evaluate(find, [topics, frames]) == robots
+
+
+async def test_one_of_several_robots_is_picked_and_the_address_keeps_it(open_page, served):
+    names = """() => [...document.querySelectorAll("#topics li[data-topic]")]
+        .map((each) => each.dataset.topic).filter((each) => /scan|status/.test(each)).sort()"""
+    still = {"translation": {}, "rotation": {"w": 1}}
+    frames = [
+        {"header": {"frame_id": f"{each}/base_link"}, "child_frame_id": f"{each}/laser"}
+        | {"transform": still}
+        for each in ("r1", "r2")
+    ]
+    async with (
+        client(served.url) as robot,
+        open_page(page_address(served) + "#cards=none") as page,
+    ):
+        topics = ("/r1/scan", "/r2/scan", "/status")
+        for topic in topics:
+            await robot.send(op="advertise", topic=topic, type="std_msgs/String")
+        await until(page, f"all => String(({names})()) === String(all)", list(topics))
+        assert await page.is_hidden("#robot")
+        static = {"topic": "/tf_static", "type": "tf2_msgs/TFMessage", "latch": True}
+        await robot.send(op="advertise", **static)
+        await robot.send(op="publish", topic="/tf_static", msg={"transforms": frames})
+        await page.select_option("#robot", "r2")
+        await until(page, f"all => String(({names})()) === String(all)", ["/r2/scan", "/status"])
+        await page.reload()
+        await until(page, f"all => String(({names})()) === String(all)", ["/r2/scan", "/status"])
+        await page.select_option("#robot", "")
+        await until(page, f"all => String(({names})()) === String(all)", list(topics))
+        assert "robot" not in page.url
+
+
+async def test_without_a_robot_the_page_says_where_the_gateway_searches(open_page, nowhere):
+    silent = ("--set", "ros.diagnostics=false")
+    async with (
+        gateway_process("serve", *nowhere, *silent) as gateway,
+        open_page(page_address(gateway)) as page,
+    ):
+        domain = nowhere[1]
+        for row in (
+            f"ROS_DOMAIN_ID.* ?{domain}",
+            "RMW_IMPLEMENTATION.*rmw_",
+            "DISCOVERY_RANGE.*comput",
+        ):
+            await until(page, "row => new RegExp(row).test(cards.textContent)", row)

@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page of the tutorial, served as it says, in a real browser."""
 
-import functools
-import http.server
-import threading
 from urllib.parse import urlsplit
 
 import pytest
@@ -22,24 +19,6 @@ TWIST = "geometry_msgs/msg/Twist"
 FORWARD = {"linear": {"x": 0.1}}
 
 pytestmark = pytest.mark.asyncio(loop_scope="package")
-
-
-class Handler(http.server.SimpleHTTPRequestHandler):
-    def log_message(self, *_: object) -> None:
-        pass
-
-
-@pytest.fixture
-def folder(tmp_path):
-    """A folder that a web server of this machine serves, and the address of that."""
-    handler = functools.partial(Handler, directory=tmp_path)
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
-    thread = threading.Thread(target=server.serve_forever)
-    thread.start()
-    yield tmp_path, f"http://localhost:{server.server_port}"
-    server.shutdown()
-    thread.join()
-    server.server_close()
 
 
 def serve(folder, gateway) -> None:

@@ -71,22 +71,82 @@ async def test_the_robot_moves_on_the_map(demo, open_page):
         await until(page, f"([before, about]) => ({MIDDLE})(about) > before + 1", [before, robot])
 
 
+async def test_a_map_is_zoomed_by_wheel_and_keys_and_moved_by_a_drag(demo, open_page):
+    async with open_page(page_address(demo) + "#card=map+0+/map") as page:
+        canvas = page.locator(f"{card('/map')} canvas")
+        robot = [f"{card('/map')} canvas", "--warning"]
+        await until(page, f"about => ({COUNT})(about) > 20", robot)
+        before, middle = await page.evaluate(
+            f"about => [({COUNT})(about), ({MIDDLE})(about)]", robot
+        )
+        box = await canvas.bounding_box()
+        at = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        await page.mouse.move(*at)
+        await page.mouse.wheel(0, -500)
+        await until(page, f"([least, about]) => ({COUNT})(about) > least", [2 * before, robot])
+        await page.get_by_role("button", name="Fit all of the map").click()
+        await page.mouse.move(*at)
+        await page.mouse.down()
+        await page.mouse.move(at[0] + box["width"] / 12, at[1])  # 40 of 480 pixels
+        await page.mouse.up()
+        await until(page, f"([middle, about]) => ({MIDDLE})(about) > middle + 30", [middle, robot])
+        await canvas.press("ArrowRight")
+        await canvas.press("+")
+        await until(page, f"([middle, about]) => ({MIDDLE})(about) < middle + 30", [middle, robot])
+        await page.get_by_role("button", name="Follow").click()
+        await until(page, f"about => Math.abs(({MIDDLE})(about) - 240) < 8", robot)
+
+
+async def test_the_robot_goes_where_a_pointer_is_dragged_on_a_map(demo, open_page):
+    async with (
+        client(demo.url) as speaker,
+        open_page(page_address(demo) + "#card=map+0+/map", script=NOTE_SENT) as page,
+    ):
+        await until_it_can_be_driven(speaker)
+        await until(
+            page, f"about => ({COUNT})(about) > 20", [f"{card('/map')} canvas", "--warning"]
+        )
+        await page.get_by_role("button", name="Go here").click()
+        box = await page.locator(f"{card('/map')} canvas").bounding_box()
+        # the middle of the map is at x 1, y 0
+        at = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        await page.mouse.move(*at)
+        await page.mouse.down()
+        await page.mouse.move(at[0], at[1] - 40)
+        await page.mouse.up()
+        said = "() => document.querySelector('.goal-line output').textContent"
+        await until(
+            page, f"/^Going to x (0\\.9|1\\.0)\\d, y -?0\\.0\\d m, heading 90°/.test(({said})())"
+        )
+        # its way, which the robot publishes
+        await until(
+            page, f"about => ({COUNT})(about) > 5", [f"{card('/map')} canvas", "--series-3"]
+        )
+        await page.get_by_role("button", name="Cancel", exact=True).click()
+        await until(page, f"{said} === 'The goal was canceled.'")
+        await page.get_by_role("button", name="I am here").focus()
+        for key in ("Enter", "Enter", "ArrowRight", "Enter"):
+            await page.keyboard.press(key)
+        await until(page, f"{said}.startsWith('Sent to /initialpose')")
+        await speaker.send(op="call_service", id="reset", service="/reset")
+
+
 async def test_a_map_whose_numbers_contradict_each_other_is_told_of(demo, open_page):
     async with (
         client(demo.url) as speaker,
-        open_page(page_address(demo) + "#card=map+0+/plan") as page,
+        open_page(page_address(demo) + "#card=map+0+/flat") as page,
     ):
-        await speaker.send(op="advertise", topic="/plan", type="nav_msgs/OccupancyGrid", latch=True)
-        await speaker.send(op="publish", topic="/plan", msg=GRID | {"data": [0, 0, 0]})
+        await speaker.send(op="advertise", topic="/flat", type="nav_msgs/OccupancyGrid", latch=True)
+        await speaker.send(op="publish", topic="/flat", msg=GRID | {"data": [0, 0, 0]})
         problem = "() => document.querySelector('.problem')?.textContent"
         await until(page, f"{problem}?.includes('3 cells, expected 4 x 2')")
-        await speaker.send(op="publish", topic="/plan", msg=GRID)
-        await until_painted(page, f"{card('/plan')} canvas")
+        await speaker.send(op="publish", topic="/flat", msg=GRID)
+        await until_painted(page, f"{card('/flat')} canvas")
         await until(page, f"{problem} === ''")
         flat = GRID | {"info": GRID["info"] | {"resolution": 0.0}}
-        await speaker.send(op="publish", topic="/plan", msg=flat)
+        await speaker.send(op="publish", topic="/flat", msg=flat)
         await until(page, f"{problem}?.includes('cells are 0 m wide')")
-        await speaker.send(op="publish", topic="/plan", msg=GRID)
+        await speaker.send(op="publish", topic="/flat", msg=GRID)
         await until(page, f"{problem} === ''")
 
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { BASE } from "../shared/base.js";
 import { bytes, element } from "../shared/dom.js";
 
 const HEALTH_MS = 4000;
@@ -47,7 +48,7 @@ export class Figures {
       return;
     }
     try {
-      this.#health = await (await fetch("/healthz")).json();
+      this.#health = await (await fetch(`${BASE}/healthz`)).json();
     } catch {
       this.#health = null; // the connection's own state says more
     }

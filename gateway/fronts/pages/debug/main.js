@@ -4,40 +4,56 @@
 import * as bar from "../shared/bar.js";
 import { element, find } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
+import { isTaken } from "../shared/keys.js";
+import { say } from "../shared/language.js";
+import { menu } from "../shared/menu.js";
 import * as page from "./address.js";
-import { makeCard } from "./cards/cards.js";
 import { TopicCard } from "./cards/topic_card.js";
+import { Desk } from "./desk.js";
+import { EmptyState } from "./empty_state.js";
 import { Figures } from "./figures.js";
 import { FirstVisit } from "./first_visit.js";
+import * as layouts from "./layouts.js";
 import { Measuring } from "./measuring.js";
 import { NameList } from "./name_list.js";
+import { RobotPicker } from "./robots.js";
 import * as tabs from "./tabs.js";
 import { TopicList } from "./topic_list.js";
 import { isView, viewsFor } from "../views/views.js";
 
 const NARROW = 720; // pixels, as style.css has it: the cards stand above the list
 const MOST_FIELDS = 4; // in one plot
-const NO_ROBOT = "There are no topics yet. Start a robot, or the simulated one with ";
+
+/** @type {[string, string][]} */
+const KEYS = [
+  ["/", say("keys.search")],
+  ["↑ ↓ Home End", say("keys.list")], ["Enter", say("keys.open")],
+  ["m", say("keys.maximise")], ["Escape", say("keys.restore")], ["[ ]", say("keys.move")], ["← ↑ ↓ →", say("keys.resize")],
+];
 
 const gateway = new Gateway();
 const figures = new Figures(gateway);
 const counts = {}; // by tab, how many of how many it lists
 let tab = "tab-topics"; // that is shown
 const measuring = new Measuring(gateway);
-const topics = new TopicList(find("topics"), find("search"), gateway, measuring, {
-  open: (name) => open(name), plot: (name) => open(name, "plot"), drive: (name) => open(name, "drive"), publish: (name) => open(name, "publish"), counted: (words) => counted("tab-topics", words),
+const robots = new RobotPicker(find("robot"), gateway, {
+  robot: page.word("robot"), all: say("robot.all"), changed: () => {
+    find("search").dispatchEvent(new Event("input")); // to which the lists listen
+    keep();
+  },
 });
-const none = element("p", { className: "empty", tabIndex: -1 }, "Choose a topic in the list. ✎ publishes on it.");
-const empty = element("p", { className: "empty" }, NO_ROBOT, element("code", {}, "ros2-gateway demo"), ".");
+const topics = new TopicList(find("topics"), find("search"), gateway, measuring, {
+  open: (name) => open(name), plot: (name) => open(name, "plot"), drive: (name) => open(name, "drive"), publish: (name) => open(name, "publish"), allows: (name) => robots.allows(name), counted: (words) => counted("tab-topics", words),
+});
+const none = element("p", { className: "empty", tabIndex: -1 }, say("empty.choose"));
+const empty = new EmptyState(gateway);
 let wanted = page.read();
 const firstVisit = new FirstVisit(gateway, add);
 if (wanted) firstVisit.end();
-const cards = [];
+const desk = new Desk(find("cards"), find("desk-tabs"), gateway, { changed, open, grown, left });
 
 function add(shown) {
-  const card = makeCard(gateway, shown, { changed, close, open, grown });
-  cards.push(card);
-  find("cards").append(card.element);
+  const card = desk.add(shown);
   keep();
   return card;
 }
@@ -51,7 +67,7 @@ function open(topic, asked, fields = []) {
 
 /** Return a plot that has a field of a topic. One that has room takes it. */
 function plotOf(topic, field) {
-  const plots = cards.filter((each) => each.view === "plot" && each.topic === topic);
+  const plots = desk.cards.filter((each) => each.view === "plot" && each.topic === topic);
   const found = plots.find((each) => each.fields.includes(field));
   if (found) return found;
   const plot = plots.find((each) => each.fields.length < MOST_FIELDS);
@@ -61,11 +77,13 @@ function plotOf(topic, field) {
 
 /** Return the card that shows a name in a view, by default a topic in any. A plot is another one for each choice of fields. */
 function shownBy(topic, view) {
-  return cards.find((each) => each.topic === topic && (view ? each.view === view && !each.fields.length : isView(each.view)));
+  return desk.cards.find((each) => each.topic === topic && (view ? each.view === view && !each.fields.length : isView(each.view)));
 }
 
 /** Bring a card into view, and the focus to it. */
-function look({ element: its }) {
+function look(card) {
+  const { element: its } = card;
+  desk.find(card);
   its.focus({ preventScroll: true });
   reveal(its);
 }
@@ -79,13 +97,9 @@ function reveal(its) {
   its.scrollIntoView({ block: innerWidth < NARROW ? "start" : "nearest" });
 }
 
-function close(card) {
-  const index = cards.indexOf(card);
-  const hadFocus = card.element.contains(document.activeElement);
-  card.close();
-  cards.splice(index, 1);
-  changed();
-  if (hadFocus) (cards[Math.min(index, cards.length - 1)]?.element ?? find("search")).focus();
+/** Give the focus of a card that was closed to the next one. */
+function left(next) {
+  (next?.element ?? find("search")).focus();
 }
 
 /** Take what a person has changed. */
@@ -94,21 +108,27 @@ function changed() {
   keep();
 }
 
-/** Keep the shown cards in the address. Without a card, say how to open one. */
+/** Keep the cards in the address. Without a card, say how to open one. */
 function keep() {
-  const isAwaited = !cards.length && !firstVisit.isOver; // a reload is also a first visit
-  page.write(isAwaited ? null : cards.map((each) => each.shown), measuring.isOn);
-  for (const [list, isOf] of lists) list.mark(new Set(cards.filter((each) => isOf(each.view)).map((each) => each.topic)));
-  empty.remove();
+  const isAwaited = !desk.cards.length && !firstVisit.isOver; // a reload is also a first visit
+  const tabs = desk.tabs.map(({ name, cards }) => ({ name, cards: cards.map((each) => each.shown) }));
+  page.write(isAwaited ? null : tabs, desk.tabs.indexOf(desk.tab), { measure: measuring.isOn ? "all" : "", robot: robots.robot });
+  for (const [list, isOf] of lists) list.mark(new Set(desk.cards.filter((each) => isOf(each.view)).map((each) => each.topic)));
+  desk.write();
+  empty.element.remove();
   none.remove();
-  if (!cards.length) find("cards").append(isAwaited ? empty : none);
+  if (!desk.tab.cards.length) find("cards").append(isAwaited ? empty.element : none);
 }
 
 /** Open what the address names, and say what nobody knows. */
-function restore({ cards: known, unknown }) {
-  for (const shown of known) add(shown);
+function restore({ tabs, at, unknown }) {
+  for (const { name, cards } of tabs) {
+    if (name) desk.restore(name);
+    for (const shown of cards) desk.add(shown);
+  }
+  desk.show(desk.tabs[at] ?? desk.tab);
+  keep();
   if (unknown.length) bar.tell(`The address names unknown cards: ${unknown.map((each) => JSON.stringify(each.slice(0, 80))).join(", ")}.`);
-  if (!known.length) changed();
 }
 
 /** Keep how many of how many a tab lists, and say it of the one that is shown. */
@@ -122,23 +142,24 @@ function tick() {
   figures.tick();
   measuring.tick();
   topics.tick();
-  for (const card of cards) card.tick();
+  for (const card of desk.tab.cards) card.tick();
 }
 
 function draw(ms) {
   requestAnimationFrame(draw); // first: whatever fails here, the next frame comes
-  for (const card of cards) if (card.isSeen) card.draw(ms);
+  for (const card of desk.tab.cards) if (card.isSeen) card.draw(ms);
 }
 
 gateway.on("graph", () => {
   if (wanted) restore(wanted);
   wanted = null;
+  empty.write();
   firstVisit.fill();
-  if (!cards.length && !firstVisit.isOver) keep();
+  if (!desk.cards.length && !firstVisit.isOver) keep();
 });
 
 const measure = find("measure");
-measure.checked = measuring.isOn = page.isMeasuring();
+measure.checked = measuring.isOn = page.word("measure") !== "";
 measure.onchange = () => {
   measuring.isOn = measure.checked;
   keep();
@@ -149,34 +170,51 @@ const services = new NameList(find("services"), find("search"), gateway, {
   kind: "service",
   entries: ({ services }) => [...services.values()].map(({ name, types }) => ({ name, about: types.join(", "), isPlain: !everywhere(types) })),
   open: (name) => open(name, "call"),
+  allows: robots.allows,
   counted: (words) => counted("tab-services", words),
 });
 const actions = new NameList(find("actions"), find("search"), gateway, {
   kind: "action",
   entries: ({ actions }) => [...actions.values()].map(({ name, types }) => ({ name, about: types.join(", "), isPlain: true })),
   open: (name) => open(name, "goal"),
+  allows: robots.allows,
   counted: (words) => counted("tab-actions", words),
 });
 const nodes = new NameList(find("nodes"), find("search"), gateway, {
   kind: "node",
   entries: ({ nodes }) => [...nodes].map((name) => ({ name, about: "", isPlain: !name.includes("/_") })),
   open: (name) => open(name, "node"),
+  allows: robots.allows,
   counted: (words) => counted("tab-nodes", words),
 });
 /** The lists that mark names with a card, and the views of each kind. @type {[TopicList|NameList, (view: string) => boolean][]} */
 const lists = [[topics, isView], [services, (view) => view === "call"], [actions, (view) => view === "goal"], [nodes, (view) => view === "node"]];
-const limits = element("button", { type: "button", title: "the limits and the messages of this connection" }, "Limits");
-limits.onclick = () => open("/", "connection");
 find("graph").onclick = () => open("/", "graph");
+find("parameters").onclick = () => open("/", "parameters");
 find("skip").onclick = (event) => {
   event.preventDefault(); // the part after # is the shown cards
-  (cards[0]?.element ?? find("cards")).focus();
+  (desk.tab.cards[0]?.element ?? find("cards")).focus();
 };
 tabs.connect(find("tabs"), ({ id }) => {
   tab = id;
   counted(id, counts[id]);
 });
-bar.connect(gateway, "Debug", figures.element, limits);
+find("scene").onclick = () => open("/", "scene");
+bar.connect(gateway, "debug", {
+  figures: [figures.element, menu(say("layout.menu"), () => [...layouts.entries(), { label: say("tab.menu") }, ...desk.entries], say("layout.menu"))],
+  keys: KEYS,
+  entries: [
+    { label: say("list.fold"), act: () => topics.fold(true) },
+    { label: say("list.unfold"), act: () => topics.fold(false) },
+    { label: say("menu.limits"), act: () => open("/", "connection") },
+  ],
+});
+addEventListener("keydown", (event) => {
+  if (event.key !== "/" || isTaken(event) || event.ctrlKey || event.altKey || event.metaKey) return;
+  event.preventDefault();
+  desk.maximise(null); // it hides the list
+  find("search").select();
+});
 gateway.connect();
 tick();
 setInterval(tick, 1000);

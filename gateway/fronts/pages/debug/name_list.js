@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { breakable, element } from "../shared/dom.js";
+import { count, say } from "../shared/language.js";
 import { rove } from "./roving.js";
 
 /**
@@ -15,6 +16,7 @@ export class NameList {
   #entries;
   #open;
   #counted;
+  #allows;
   #items = new Map(); // name -> its item, and the button in it. One that stays keeps the focus
   #opened = new Set(); // names that have a card
   #settle;
@@ -23,15 +25,16 @@ export class NameList {
    * @param {HTMLElement} list
    * @param {HTMLInputElement} search
    * @param {import("../shared/gateway.js").Gateway} gateway
-   * @param {{kind: string, entries: (graph: import("../shared/graph.js").Graph) => Entry[], open: (name: string) => void, counted: (words: string) => void}} about
+   * @param {{kind: string, entries: (graph: import("../shared/graph.js").Graph) => Entry[], open: (name: string) => void, allows: (name: string) => boolean, counted: (words: string) => void}} about
    */
-  constructor(list, search, gateway, { kind, entries, open, counted }) {
+  constructor(list, search, gateway, { kind, entries, open, allows, counted }) {
     this.#list = list;
     this.#search = search;
     this.#kind = kind;
     this.#entries = () => entries(gateway.graph);
     this.#open = open;
     this.#counted = counted;
+    this.#allows = allows;
     this.#settle = rove(list);
     search.addEventListener("input", () => this.#write());
     gateway.on("graph", () => this.#write());
@@ -47,20 +50,20 @@ export class NameList {
     const entries = this.#entries();
     const wanted = this.#search.value.trim().toLowerCase();
     const found = entries
-      .filter(({ name, about, isPlain }) => (wanted ? `${name} ${about}`.toLowerCase().includes(wanted) : isPlain))
+      .filter(({ name, about, isPlain }) => this.#allows(name) && (wanted ? `${name} ${about}`.toLowerCase().includes(wanted) : isPlain))
       .sort((one, other) => one.name.localeCompare(other.name));
     const names = new Set(entries.map(({ name }) => name));
     for (const name of this.#items.keys()) if (!names.has(name)) this.#items.delete(name);
-    replace(this.#list, found.map((each) => this.#item(each).element), wanted ? `No ${this.#kind} has "${wanted}" in its name or type.` : `There is no ${this.#kind} yet.`);
+    replace(this.#list, found.map((each) => this.#item(each).element), wanted ? say(`list.none.${this.#kind}`, { wanted }) : say(`list.no.${this.#kind}`));
     this.#settle();
     const words = countOf(found.length, entries.length, this.#kind);
-    this.#counted(!wanted && found.length < entries.length ? `${words}. Search to find the others` : words);
+    this.#counted(!wanted && found.length < entries.length ? say("list.more", { words }) : words);
   }
 
   #item({ name, about }) {
     if (!this.#items.has(name)) {
       const pressed = String(this.#opened.has(name));
-      const button = element("button", { type: "button", aria: { pressed } }, element("span", {}, breakable(name)), element("small", {}, breakable(about)));
+      const button = element("button", { type: "button", className: "ghost", title: `${name}\n${about}`.trim(), aria: { pressed } }, element("span", { className: "name" }, breakable(name)), element("small", { className: "name" }, breakable(about)));
       button.onclick = () => this.#open(name);
       this.#items.set(name, { button, element: element("li", {}, button) });
     }
@@ -75,8 +78,8 @@ export function mark(items, names) {
 
 /** Return how many of how many are listed, in words. */
 export function countOf(shown, all, kind) {
-  const kinds = all === 1 ? kind : `${kind}s`;
-  return shown === all ? `${all} ${kinds}` : `${shown} of ${all} ${kinds}`;
+  const words = count(`list.${kind}`, all);
+  return shown === all ? words : say("list.of", { shown, words });
 }
 
 /**

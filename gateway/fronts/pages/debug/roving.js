@@ -38,7 +38,7 @@ export function rove(list) {
 /** Return what a key leads to from a control of a list, if that is anywhere. @returns {HTMLElement|undefined} */
 function beside(list, control, key) {
   const seen = [...list.querySelectorAll(CONTROLS)].filter((each) => each.checkVisibility());
-  const rows = [...new Set(seen.map((each) => each.parentElement))].map((row) => seen.filter((each) => each.parentElement === row));
+  const rows = [...new Set(seen.map((each) => each.closest("li")))].map((row) => seen.filter((each) => each.closest("li") === row));
   const row = rows.findIndex((each) => each.includes(control));
   const along = rows[row]?.indexOf(control);
   switch (key) {

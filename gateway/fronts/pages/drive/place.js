@@ -42,7 +42,7 @@ export class Place {
     const [View, kind] = views.find(([, each]) => named(each) || published(graph, each)) ?? [];
     const topic = View && published(graph, kind);
     if (!topic && !this.#view) this.#home.replaceChildren(element("p", {}, View ? missing(graph, kind) : nothing));
-    if (!topic || this.#view instanceof View) return;
+    if (!topic || (this.#view instanceof View && (this.#view.topic === topic || !named(kind)))) return;
     this.#end();
     const view = new View({ topic, gateway: this.#gateway, tell: (words) => this.#tell(words), untell: (words) => this.#untell(words) });
     view.topic = topic;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The controllers and hands in VR, each with a ray. The shapes are made here, because others are fetched from the network.
-// Trigger or pinch: a target. Squeeze, or a pinch of the left hand: stop. Stick pushed ahead or pressed, or touchpad pressed: teleport, when let go.
+// Trigger or pinch: a target. Squeeze, or a pinch of the left hand: stop.
+// Stick pushed ahead or pressed, touchpad pressed, or thumb and middle finger closed: teleport, when let go.
 
 import {
   BoxGeometry, BufferGeometry, Line, LineBasicMaterial, Mesh, Raycaster, SphereGeometry, Vector3,
@@ -13,6 +14,8 @@ const LET_GO = -0.5;
 const RAY_M = 5;
 const JOINT_M = 0.008;
 const NO_GAMEPAD = { axes: [], buttons: [] };
+const CLOSED_M = 0.02; // between the tips of thumb and middle finger: they are closed, and farther than the next they are open
+const OPEN_M = 0.04;
 
 /** Both hands, with whatever is in them. */
 export class Controllers {
@@ -76,6 +79,7 @@ class Hand {
   #raycaster = new Raycaster();
   #place = new Vector3();
   #isAiming = false;
+  #isClosed = false;
   #hasPlace = false;
   #to;
 
@@ -122,7 +126,7 @@ class Hand {
     this.#dress();
     const { axes, buttons } = this.#source?.gamepad ?? NO_GAMEPAD;
     const isPressed = Boolean(buttons[2]?.pressed || buttons[3]?.pressed); // touchpad, stick
-    const isPushed = isPressed || axes[3] < (this.#isAiming ? LET_GO : PUSHED);
+    const isPushed = isPressed || this.#closes() || axes[3] < (this.#isAiming ? LET_GO : PUSHED);
     if (isPushed) this.#hasPlace = this.#to.stand(this.#ray(), this.#place);
     if (isPushed && this.#hasPlace) mark(this.#marker, this.#place);
     else this.#marker.visible = false;
@@ -133,6 +137,13 @@ class Hand {
   letGo() {
     this.#isAiming = this.#hasPlace = false;
     this.#marker.visible = false;
+  }
+
+  /** Return whether thumb and middle finger are closed. */
+  #closes() {
+    const { "thumb-tip": thumb, "middle-finger-tip": middle } = this.#joints.joints ?? {};
+    if (!this.#source?.hand || !thumb?.visible || !middle?.visible) return (this.#isClosed = false);
+    return (this.#isClosed = thumb.position.distanceTo(middle.position) < (this.#isClosed ? OPEN_M : CLOSED_M));
   }
 
   #ray() {

@@ -28,6 +28,16 @@ export function meet(ray, place) {
   return true;
 }
 
+/**
+ * Return the place of the room where a ray that comes down to the floor is as high as the blocks of a map, in the robot's metres.
+ * @param {import("../vendor/three.js").Ray} ray
+ * @param {number} high
+ */
+export function entry(ray, high) {
+  const length = Math.max(0, (ray.origin.y - high) / -ray.direction.y);
+  return toRos({ x: ray.origin.x + ray.direction.x * length, z: ray.origin.z + ray.direction.z * length });
+}
+
 /** Let a ray begin where an object is, and point where it points: to its -z. */
 export function along(object, ray) {
   object.updateWorldMatrix(true, false);

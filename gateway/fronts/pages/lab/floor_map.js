@@ -6,6 +6,7 @@ import { Newest } from "../views/newest.js";
 import { Painter } from "../views/painter.js";
 import { insist, yawOf } from "../views/plan.js";
 import { asRos } from "./floor.js";
+import { Raised, meets } from "./raised.js";
 
 const OCCUPIED = 65; // percent and more: what Nav2's map server takes for occupied
 
@@ -19,6 +20,7 @@ export class FloorMap {
   #frame = new Group(); // the map's frame
   #grid = new Group(); // its lower left corner
   #sheet = new Mesh(new PlaneGeometry(1, 1), new MeshBasicMaterial());
+  #raised;
   #painter = new Painter();
   #newest;
   #newestMap = null; // which may be painted yet
@@ -27,12 +29,16 @@ export class FloorMap {
   /** @type {Int8Array} */
   #values = new Int8Array(); // of the pixels
 
-  /** @param {{tell: (words: string) => void, untell: (words: string) => void}} card says why a map cannot be shown. Then the one before stays */
-  constructor(card) {
+  /**
+   * @param {{tell: (words: string) => void, untell: (words: string) => void}} card says why a map cannot be shown. Then the one before stays
+   * @param {any} [material] of its walls and obstacles
+   */
+  constructor(card, material = new MeshBasicMaterial()) {
+    this.#raised = new Raised(material);
     this.#newest = new Newest(card, () => "this map", (message) => this.#paint(message));
     this.world.position.y = -0.01; // between the floor and the lines on it
     this.world.visible = false;
-    this.#grid.add(this.#sheet);
+    this.#grid.add(this.#sheet, this.#raised.mesh);
     this.#frame.add(this.#grid);
     this.world.add(this.#frame);
   }
@@ -54,22 +60,48 @@ export class FloorMap {
     if (this.#newestMap) this.take(this.#newestMap);
   }
 
+  /** Return a pose of the odometry's frame as one of the map's. Only while it is shown. */
+  goal({ x, y, yaw }) {
+    return { ...seen(this.pose, { x, y }), yaw: yaw - this.pose.yaw, frame: this.#message.header.frame_id };
+  }
+
   /** How wide and high it is, in cells. 0 before there is one. */
   get size() {
     const { width = 0, height = 0 } = this.#message?.info ?? {};
     return { width, height };
   }
 
-  /** Return why a robot cannot be sent to a place of the odometry's frame, as far as the map knows, or "". */
-  refusal(place) {
+  /** How many blocks stand on it. */
+  get blocks() {
+    return this.#raised.count;
+  }
+
+  /** Return whether a block stands on the way between two places of the odometry's frame, before the cell of the second. */
+  hides(from, to) {
+    if (!this.world.visible) return false;
+    const metres = this.#message.info.resolution * this.#cells;
+    const columns = Math.ceil(this.#message.info.width / this.#cells);
+    const [start, end] = [from, to].map((each) => this.#cornerOf(each)).map(({ x, y }) => ({ x: x / metres, y: y / metres }));
+    const last = [Math.floor(end.x), Math.floor(end.y)];
+    const isOccupied = (column, row) => column >= 0 && column < columns && (column !== last[0] || row !== last[1]) && this.#values[row * columns + column] >= OCCUPIED;
+    return meets(isOccupied, start, end);
+  }
+
+  /**
+   * Return why a robot cannot be sent to a place of the odometry's frame, as far as the map knows, or "".
+   * @param {{x: number, y: number}} place
+   * @param {{x: number, y: number}} [from] the place below which a ray to it comes down to the height of the blocks
+   */
+  refusal(place, from = place) {
     const { resolution, width, height } = this.#message.info;
     const { x, y } = this.#cornerOf(place);
     const [column, row] = [Math.floor(x / resolution), Math.floor(y / resolution)];
     if (column < 0 || row < 0 || column >= width || row >= height) return "The map ends before that place: point at a free place on the map.";
     const [cells, columns] = [this.#cells, Math.ceil(width / this.#cells)];
     const value = this.#values[Math.floor(row / cells) * columns + Math.floor(column / cells)];
-    if (value < 0) return "The map does not know that place: point at a free place.";
-    return value >= OCCUPIED ? "The map shows an obstacle there: point at a free place." : "";
+    if (value >= OCCUPIED) return "The map shows an obstacle there: point at a free place.";
+    if (this.hides(from, place)) return "A wall or an obstacle is before that place: point at it from another side.";
+    return value < 0 ? "The map does not know that place: point at a free place." : "";
   }
 
   async #paint(message) {
@@ -79,6 +111,7 @@ export class FloorMap {
     insist(position.x, position.y, yaw, width * resolution, height * resolution);
     const { bitmap, cells, values } = await this.#painter.paint(message);
     [this.#message, this.#cells, this.#values] = [message, cells, values];
+    this.#raised.build(values, bitmap.width, cells * resolution, OCCUPIED);
     this.#paper(bitmap);
     const [wide, high] = [bitmap.width, bitmap.height].map((pixels) => pixels * cells * resolution);
     this.#grid.position.set(position.x, position.y, 0);

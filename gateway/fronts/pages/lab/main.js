@@ -7,16 +7,20 @@ import * as bar from "../shared/bar.js";
 import { CommandTopic } from "../shared/command_topic.js";
 import { element, find } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
+import { say } from "../shared/language.js";
 import { watchKeys } from "../shared/keys.js";
 import { Motion } from "../shared/motion.js";
 import { namedCommand, tellWrong } from "../shared/named_topics.js";
 import { isHeld } from "../shared/stop_held.js";
+import { Cloud } from "./cloud.js";
 import { Controllers } from "./controllers.js";
 import { Drawing } from "./drawing.js";
-import { meet, toRos } from "./floor.js";
+import { entry, meet, toRos } from "./floor.js";
 import { FloorMap } from "./floor_map.js";
 import { connectHeadset } from "./headset.js";
+import { Navigation } from "./navigation.js";
 import { Pilot } from "./pilot.js";
+import { HIGH_M } from "./raised.js";
 import { HALF_M, Room, mark } from "./room.js";
 import { Screen } from "./screens.js";
 import { Sight } from "./sight.js";
@@ -30,21 +34,22 @@ const BEYOND = `That is beyond the walls, ${HALF_M} m from the middle of the roo
 const DRIVING = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] };
 
 const gateway = new Gateway();
-bar.connect(gateway, "Lab");
+bar.connect(gateway, "lab", { keys: [["← ↑ ↓ →", say("keys.drive")], ["Space", say("keys.stop")]] });
 tellWrong(gateway, bar.tell);
 
 const room = new Room();
 const viewer = new Viewer();
 const twin = new Twin(room);
-const map = new FloorMap(bar);
+const map = new FloorMap(bar, room.material("edge"));
+const cloud = new Cloud(gateway);
 const motion = new Motion();
 const television = new Television(bar.tell);
 const screens = {
   state: new Screen("Robot"), topic: new Screen("Topic"), commands: new Screen("Commands"), log: new Screen("Log"),
 };
 const hung = [television.mesh, ...Object.values(screens).map(({ mesh }) => mesh)];
-const sight = new Sight(() => [...hung, ...room.walls]);
-const sources = new Sources(gateway, bar.tell, { twin, map });
+const sight = new Sight(() => [...hung, ...room.walls], (ray, end) => map.hides(entry(ray, HIGH_M), toRos(end)));
+const sources = new Sources(gateway, bar.tell, { twin, map, cloud });
 const age = new Aging(find("view"));
 const target = room.marker("warning", 0.15);
 const place = new Vector3();
@@ -55,13 +60,14 @@ let topic = ""; // that the screen shows
 let endTopic = () => {};
 
 /** The parts, for tests. */
-export const lab = { room, viewer, twin, map, television, screens, work, render };
+export const lab = { room, viewer, twin, map, cloud, television, screens, work, render };
 
 const pilot = new Pilot(publish, (words) => {
   find("approach").textContent = words;
   showState();
 });
 lab.pilot = pilot;
+pilot.navigation = new Navigation(gateway, (words) => pilot.navigated(words));
 gateway.on("state", ({ state }) => {
   isConnected = state === "open";
   letGoOfAll("the connection was lost");
@@ -71,7 +77,7 @@ gateway.on("status", ({ code, request, msg }) => code === "forbidden" && request
 const command = new CommandTopic(gateway, told, namedCommand()); // after that: what is lost first is the connection
 const letGo = watchKeys(DRIVING, (linear, angular) => pilot.hold(linear, angular));
 furnish();
-room.scene.add(viewer.rig, map.world);
+room.scene.add(viewer.rig, map.world, cloud.world);
 room.scene.updateMatrixWorld(); // or a ray that comes before the first frame would find all things in the middle
 const renderer = begin();
 const controllers = renderer && new Controllers(renderer.xr, viewer.rig, room, {
@@ -91,11 +97,11 @@ function furnish() {
     mesh.rotation.y = turn;
     room.scene.add(mesh);
   };
-  hang(television.mesh, 0, 1.9, -2.4);
-  hang(screens.state.mesh, -2.4, 1.9, -2, 0.4);
-  hang(screens.topic.mesh, 2.4, 1.9, -2, -0.4);
-  hang(screens.log.mesh, -3.9, 1.9, 0, 1.1);
-  hang(screens.commands.mesh, 3.9, 1.9, 0, -1.1);
+  hang(television.mesh, 0, 2.15, -4.4);
+  hang(screens.state.mesh, -2.9, 1.9, -2, 0.4);
+  hang(screens.topic.mesh, 2.9, 1.9, -2, -0.4);
+  hang(screens.log.mesh, -4.3, 1.9, 0, 1.1);
+  hang(screens.commands.mesh, 4.3, 1.9, 0, -1.1);
 }
 
 /** Return what draws, or null where there is no WebGL. */
@@ -171,14 +177,21 @@ function point(raycaster) {
   if (thing === screens.topic.mesh) return next();
   const refusal = refusalOf(raycaster.ray, thing);
   if (refusal) pilot.stop(refusal); // a user who points means another target than the one before
-  else if (pilot.aim(toRos(place))) mark(target, place);
+  else if (pilot.aim(toRos(place), goal())) mark(target, place);
+}
+
+/** Return the target for the navigation: on the map, if there is one, and as the robot comes there. */
+function goal() {
+  const { x, y } = toRos(place);
+  const yaw = Math.atan2(y - twin.pose.y, x - twin.pose.x);
+  return map.world.visible ? map.goal({ x, y, yaw }) : { x, y, yaw, frame: sources.frame };
 }
 
 /** Put into `place` where a ray meets the floor, unless it meets a thing first. Return why the robot cannot be sent there, or "". */
 function refusalOf(ray, thing) {
   if (room.walls.includes(thing)) return BEYOND;
   if (thing || !meet(ray, place)) return "There is no floor: point at a place on it.";
-  if (map.world.visible) return map.refusal(toRos(place));
+  if (map.world.visible) return map.refusal(toRos(place), entry(ray, HIGH_M));
   return Math.max(Math.abs(place.x), Math.abs(place.z)) < HALF_M ? "" : BEYOND;
 }
 
@@ -263,6 +276,9 @@ function next() {
 }
 
 gateway.on("graph", () => {
+  const isThere = Boolean(pilot.navigation.action);
+  find("ways").hidden = !isThere && !pilot.isNavigating; // only the user chooses blind driving
+  if (!isThere && pilot.navigation.isActive) pilot.end("Nav2 is not available any more");
   sources.watch({ pilot, motion, television, log: screens.log, logged: (line) => motion.log(line, command.name) });
   if (!topic && sources.favourite) read(sources.favourite);
   else listTopics();
@@ -272,6 +288,14 @@ find("home").onclick = () => {
   if (!viewer.isWorn) viewer.goHome();
   renderer?.domElement.focus();
 };
+/** Let this page or Nav2 drive to the targets. */
+function choose(way) {
+  pilot.end("another way to drive was chosen");
+  pilot.isNavigating = way === "nav2";
+  find("way").value = way;
+}
+
+find("way").onchange = () => choose(find("way").value);
 find("topic").onchange = () => read(find("topic").value); // which keeps the focus: the next arrow key is not for the robot
 gateway.on("stopping", () => letGoOfAll("STOP was pressed"));
 find("take").onclick = async () => {
@@ -286,7 +310,7 @@ bar.stopBySpace({ isMoving: () => pilot.isActive || command.state?.state === "mo
 addEventListener("blur", () => letGoOfAll("the window lost the focus"));
 addEventListener("pagehide", () => letGoOfAll("the page was left"));
 document.addEventListener("visibilitychange", () => document.hidden && letGoOfAll("the page is hidden"));
-matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => {
+addEventListener("themechange", () => {
   room.paint();
   map.paint();
   for (const name in screens) screens[name].dirty();

@@ -26,6 +26,10 @@ export class Pilot {
   #aimedMs = 0;
   #isMoving = false; // whether the approach has begun to
   #forbidden = ""; // why this client may not drive, in words
+  /** Drives to targets instead of this page, or null. @type {import("./navigation.js").Navigation|null} */
+  navigation = null;
+  /** Whether it drives to the next target. */
+  isNavigating = false;
 
   /**
    * @param {(linear: number, angular: number) => void} publish in m/s and rad/s
@@ -40,12 +44,17 @@ export class Pilot {
 
   /** Whether a target is being approached. */
   get isActive() {
-    return this.approach.isActive;
+    return this.approach.isActive || Boolean(this.navigation?.isActive);
+  }
+
+  /** Take the progress of the navigation, in words. */
+  navigated(words) {
+    this.#say(words);
   }
 
   /** Whether there is a target, and the gateway lets nothing move yet. */
   get isWaiting() {
-    return this.isActive && !this.#isMoving;
+    return this.approach.isActive && !this.#isMoving;
   }
 
   /** Take where the robot is now. */
@@ -56,8 +65,12 @@ export class Pilot {
     if (jump && this.isActive) this.end(jump);
   }
 
-  /** Approach a place of the odometry's frame. Return whether that begins. */
-  aim({ x, y }) {
+  /**
+   * Approach a place of the odometry's frame. Return whether that begins.
+   * @param {{x: number, y: number}} place
+   * @param {{x: number, y: number, yaw: number, frame: string}} [goal] the same for the navigation, in a frame that it knows
+   */
+  aim({ x, y }, goal) {
     const now = performance.now();
     const refusal = this.#refusal(now);
     if (refusal) {
@@ -65,6 +78,8 @@ export class Pilot {
       return false;
     }
     this.#driver.hold(0, 0);
+    this.approach.stop();
+    if (this.isNavigating) return this.#navigate(goal);
     if (this.#state.tripped) this.#driver.ready();
     this.#aimedMs = now;
     this.#isMoving = false;
@@ -112,14 +127,15 @@ export class Pilot {
     if (this.#state?.tripped && !state?.tripped) this.#clearedMs = performance.now();
     this.#state = state;
     if (!this.isActive) return;
-    if (!state) this.end("there is nothing to drive");
+    if (this.navigation?.isActive) this.#watchNavigation(state);
+    else if (!state) this.end("there is nothing to drive");
     else if (state.holder === "other") this.stop(sentence(state));
     else if (state.tripped && this.#isMoving) this.end(reason(state));
   }
 
   /** Go on with the approach. */
   step(now) {
-    if (!this.isActive) return;
+    if (!this.approach.isActive) return;
     if (!this.#isMoving && (this.#state.tripped || now - this.#clearedMs < SETTLE_MS)) {
       if (now - this.#aimedMs > REARM_MS) this.end(reason(this.#state) || "the gateway lets nothing move");
       return;
@@ -133,6 +149,20 @@ export class Pilot {
     this.#driver.hold(linear / MOST.linear, angular / MOST.angular);
     if (this.approach.state === "arrived") this.#say("Arrived.");
     if (this.approach.state === "failed") this.#say(`The approach has ended: ${this.approach.reason}.`);
+  }
+
+  #navigate(goal) {
+    this.#say("Nav2 gets the target.");
+    const isSent = Boolean(this.navigation?.action) && this.navigation.go(goal);
+    if (!isSent) this.#say("Nav2 is not available: start it, or let this page drive.");
+    return isSent;
+  }
+
+  /** End the navigation by what stops a robot that the gateway sees. Other commands than those of the gateway do not tell it of an end. */
+  #watchNavigation(state) {
+    if (!state) this.end("there is nothing to drive");
+    else if (state.holder === "other") this.stop(sentence(state));
+    else if (state.tripped) this.end(reason(state) || "the gateway stopped the robot");
   }
 
   #refusal(now) {
@@ -150,6 +180,7 @@ export class Pilot {
   #drop(words) {
     if (!this.isActive) return;
     this.approach.stop();
+    this.navigation?.cancel();
     this.#say(words);
   }
 

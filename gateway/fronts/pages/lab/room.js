@@ -9,7 +9,7 @@ import { token } from "../shared/dom.js";
 
 /** Metres from its middle to a wall. */
 export const HALF_M = 5;
-const WALL_M = 3;
+const WALL_M = 4;
 const THICK_M = 0.1;
 
 /** The scene, in the colours of the page. */

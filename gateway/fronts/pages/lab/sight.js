@@ -9,11 +9,16 @@ const ground = new Vector3();
 /** Looks along rays. */
 export class Sight {
   #solids;
+  #isHidden;
   #hits = []; // one for all rays: no garbage
 
-  /** @param {() => import("../vendor/three.js").Object3D[]} solids the visible things that hide the floor */
-  constructor(solids) {
+  /**
+   * @param {() => import("../vendor/three.js").Object3D[]} solids the visible things that hide the floor
+   * @param {(ray: import("../vendor/three.js").Ray, place: Vector3) => boolean} [isHidden] whether something else hides it
+   */
+  constructor(solids, isHidden = () => false) {
     this.#solids = solids;
+    this.#isHidden = isHidden;
   }
 
   /**
@@ -29,6 +34,6 @@ export class Sight {
 
   /** Put into *place* where a ray meets the floor. Return whether it does, and nothing is before it. */
   floor(raycaster, place) {
-    return meet(raycaster.ray, place) && !this.thing(raycaster);
+    return meet(raycaster.ray, place) && !this.thing(raycaster) && !this.#isHidden(raycaster.ray, place);
   }
 }

@@ -9,12 +9,14 @@ import { Placement } from "./placement.js";
 
 const LOGS = "rcl_interfaces/msg/Log";
 /** @type {import("../shared/named_topics.js").Kind[]} */
-const KINDS = ["odometry", "map", "scan", "camera"];
+const KINDS = ["odometry", "map", "scan", "camera", "cloud", "description"];
+const JOINTS = "sensor_msgs/msg/JointState";
 const FAVOURITES = ["sensor_msgs/msg/BatteryState", "std_msgs/msg/String"]; // for the screen that shows any topic
 const FAST_MS = 33;
 const SLOW_MS = 250;
 const MAP_HZ = 5; // of its place: odometry drifts slowly, and jumps when the robot finds itself
 const LASER_HZ = 1; // of its place: it is screwed on
+const ROOT_HZ = 1; // of the root of the description
 
 /** Subscriptions of the lab. */
 export class Sources {
@@ -24,11 +26,14 @@ export class Sources {
   #parts;
   #map; // the place of its frame in the odometry's
   #laser; // its place on the robot
+  /** The frame of the odometry, or "". */
+  frame = "";
+  #root; // the place of the description's root on the robot
 
   /**
    * @param {import("../shared/gateway.js").Gateway} gateway
    * @param {(words: string) => void} tell
-   * @param {{twin: import("./twin.js").Twin, map: import("./floor_map.js").FloorMap}} parts
+   * @param {{twin: import("./twin.js").Twin, map: import("./floor_map.js").FloorMap, cloud: import("./cloud.js").Cloud}} parts
    */
   constructor(gateway, tell, parts) {
     this.#gateway = gateway;
@@ -36,25 +41,32 @@ export class Sources {
     this.#parts = parts;
     this.#map = new Placement(gateway, "the map is hidden, and targets are not checked against it", MAP_HZ, (transform) => parts.map.place(transform));
     this.#laser = new Placement(gateway, "the scan is hidden", LASER_HZ, (transform) => parts.twin.mount(transform));
+    this.#root = new Placement(gateway, "the description may be misplaced on the robot", ROOT_HZ, (transform) => parts.twin.body.mount(transform));
   }
 
   /** In words, what is not shown because it is not published or its place is unknown, or "". */
   get missing() {
     const unpublished = KINDS.map((kind) => missing(this.#gateway.graph, kind));
-    return [...unpublished, this.#map.words, this.#laser.words].filter(Boolean).join("\n");
+    const { twin, cloud } = this.#parts;
+    return [...unpublished, this.#map.words, this.#laser.words, cloud.words, this.#root.words, twin.body.problem].filter(Boolean).join("\n");
   }
 
   /** Subscribe to what has come: call it after each change of the graph. */
   watch({ pilot, motion, television, log, logged }) {
     const { graph } = this.#gateway;
-    const { twin, map } = this.#parts;
+    const { twin, map, cloud } = this.#parts;
     this.#show("odometry", published(graph, "odometry"), { compression: "cbor", throttle_rate: FAST_MS }, (message) => {
       twin.odometry(message);
       pilot.odometry(twin.pose);
       motion.odometry(message);
       this.#map.within(message.header.frame_id);
       this.#laser.within(message.child_frame_id);
+      cloud.within(message.header.frame_id);
+      this.frame = message.header.frame_id;
+      if (twin.body.root) this.#root.within(message.child_frame_id);
     });
+    this.#describe();
+    this.#open("cloud", (topic) => cloud.open(topic));
     this.#show("map", published(graph, "map"), MAP_OPTIONS, (message) => {
       map.take(message);
       this.#map.of(message.header.frame_id);
@@ -99,6 +111,35 @@ export class Sources {
       (message) => screen.show(topic, readable(message)),
       lasting(this.#tell),
     );
+  }
+
+  /** Dress the robot by its description, and move its joints as the joint states next to that say. */
+  #describe() {
+    const { body } = this.#parts.twin;
+    const lasts = lasting(this.#tell);
+    this.#open("description", (topic) => {
+      this.#gateway.subscribe(topic, {}, ({ data }) => {
+        try {
+          body.describe(this.#gateway, data);
+          this.#root.of(body.root);
+        } catch (error) {
+          this.#tell(`The description of the robot cannot be shown: ${error.message}.`);
+        }
+      }, lasts);
+    });
+    const described = this.#known.get("description") ?? "";
+    const joints = `${described.slice(0, described.lastIndexOf("/"))}/joint_states`;
+    if (!described || this.#known.has("joints") || this.#gateway.graph.typeOf(joints) !== JOINTS) return;
+    this.#known.set("joints", joints);
+    this.#gateway.subscribe(joints, { throttle_rate: FAST_MS, fields: ["name", "position"] }, (message) => body.move(message), () => {});
+  }
+
+  /** Open a kind once, when it is published. */
+  #open(kind, open) {
+    const topic = published(this.#gateway.graph, kind);
+    if (!topic || this.#known.has(kind)) return;
+    this.#known.set(kind, topic);
+    open(topic);
   }
 
   #show(kind, topic, options, onMessage) {

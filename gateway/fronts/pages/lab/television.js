@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { LinearFilter, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, Texture } from "../vendor/three.js";
 
-const HIGH_M = 1.5;
+const HIGH_M = 3;
 
 /** The camera's newest image, decoded on another thread. */
 export class Television {

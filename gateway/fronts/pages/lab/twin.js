@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The digital twin: a body that stands where the odometry says, with what its laser sees.
 
-import {
-  BoxGeometry, BufferAttribute, BufferGeometry, CylinderGeometry, DynamicDrawUsage, Group, LineBasicMaterial, LineSegments, Mesh, Points,
-  PointsMaterial, Vector3,
-} from "../vendor/three.js";
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Group, LineBasicMaterial, LineSegments, Points, PointsMaterial, Vector3 } from "../vendor/three.js";
 import { yawOf } from "../views/plan.js";
+import { Body } from "./body.js";
 import { asRos } from "./floor.js";
 
 const MOST_POINTS = 4096; // of a scan. Further ones are not drawn
@@ -15,6 +13,8 @@ export class Twin {
   /** Its pose: metres and radians of the odometry's frame. */
   pose = { x: 0, y: 0, yaw: 0 };
   world = asRos(new Group());
+  /** Its looks. @type {Body} */
+  body;
   #body = new Group();
   #laser = new Group();
   #places = new BufferAttribute(new Float32Array(3 * MOST_POINTS), 3).setUsage(DynamicDrawUsage);
@@ -26,22 +26,8 @@ export class Twin {
 
   /** @param {import("./room.js").Room} room */
   constructor(room) {
-    const box = (colour, [length, width, height], [x, y, z]) => {
-      const part = new Mesh(new BoxGeometry(length, width, height), room.material(colour));
-      part.position.set(x, y, z);
-      return part;
-    };
-    const mast = new Mesh(new CylinderGeometry(0.035, 0.035, 0.05, 24), room.material("quiet"));
-    mast.rotation.x = Math.PI / 2;
-    mast.position.z = 0.16;
-    this.#body.add(
-      box("warning", [0.24, 0.22, 0.1], [0, 0, 0.08]),
-      box("line", [0.07, 0.03, 0.07], [0, 0.13, 0.035]),
-      box("line", [0.07, 0.03, 0.07], [0, -0.13, 0.035]),
-      box("accent", [0.03, 0.1, 0.04], [0.13, 0, 0.1]), // its nose
-      mast,
-      this.#laser,
-    );
+    this.body = new Body(room);
+    this.#body.add(this.body.object, this.#laser);
     this.mount(null);
     this.#geometry.setDrawRange(0, 0);
     const points = new Points(this.#geometry, room.material("accent", PointsMaterial));

@@ -2,7 +2,8 @@
 // The viewer without a headset: WASD walk, dragging looks around, Home goes back, a click or Enter points at the floor.
 
 import { Group, PerspectiveCamera, Raycaster, Vector2, Vector3 } from "../vendor/three.js";
-import { isTaken, watchKeys } from "../shared/keys.js";
+import { isTaken, watchKeys, whenUnseen } from "../shared/keys.js";
+import { whenHeld } from "../shared/stop_held.js";
 import { Bounds } from "./bounds.js";
 
 const EYES_M = 1.6;
@@ -61,7 +62,10 @@ export class Viewer {
       }
       this.#drag = null;
     });
-    canvas.addEventListener("pointercancel", () => (this.#drag = null));
+    const drop = () => (this.#drag = null);
+    canvas.addEventListener("pointercancel", drop);
+    whenHeld(drop); // its end would send the robot after STOP
+    whenUnseen(drop, { where: canvas, signal: undefined });
     canvas.addEventListener("keydown", (event) => event.code === "Enter" && !event.repeat && !this.isWorn && point(this.#ray(0, 0)));
   }
 

@@ -59,11 +59,21 @@ export class Arrivals {
     return this.#hz >= LEAST_HZ;
   }
 
+  /** The rate in words, or "". */
+  get rate() {
+    return this.hasRate ? `${this.#hz < 9.5 ? this.#hz.toFixed(1).replace(".0", "") : Math.round(this.#hz)} Hz` : "";
+  }
+
+  /** The size of the newest message in words. */
+  get size() {
+    return bytes(this.#bytes);
+  }
+
   /** Rate, size and age in words. */
   get words() {
     if (!this.messages) return NOTHING_YET;
-    const parts = [bytes(this.#bytes), `${span(this.ageMs)} old`];
-    if (this.hasRate) parts.unshift(`${this.#hz < 9.5 ? this.#hz.toFixed(1).replace(".0", "") : Math.round(this.#hz)} Hz`);
+    const parts = [this.size, `${span(this.ageMs)} old`];
+    if (this.hasRate) parts.unshift(this.rate);
     if (this.messages === 1 && this.ageMs > LATE_MS) parts.unshift("came once");
     if (this.dropped) parts.push(`${this.dropped} dropped`);
     return parts.join(" · ");

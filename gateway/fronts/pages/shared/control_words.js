@@ -36,7 +36,10 @@ export function sentence(frame) {
   return why ? `Stopped: ${why}.` : "Stopped.";
 }
 
-/** Return the words for a `status`, without advice for programs. "" for the expected result of STOP. */
+/**
+ * Return the words for a `status`, without advice for programs. "" for the expected result of STOP.
+ * @param {import("./gateway.js").Status} status
+ */
 export function refusal({ code, msg }) {
   if (code === "tripped" && msg.includes(" is stopped")) return "The robot was stopped. To drive on, let go of everything, then press again.";
   if (code === "stale_command" && msg.includes(" before a stop")) return "";
@@ -52,5 +55,8 @@ const OVER = {
   tripped: ({ state }) => state !== null && !state.tripped,
 };
 
-/** Return when what a `status` says is over. By default, once the robot drives. */
+/**
+ * Return when what a `status` says is over. By default, once the robot drives.
+ * @param {import("./gateway.js").Status} status
+ */
 export const isOver = ({ code }) => OVER[code];

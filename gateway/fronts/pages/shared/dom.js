@@ -37,6 +37,9 @@ export function bytes(count) {
   return `${(count / 1e6).toFixed(2)} MB`;
 }
 
+/** Return a time of a recording as people read it. */
+export const clock = (seconds) => `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
+
 /** Return a time span as people read it. */
 export function span(ms) {
   if (ms < 1000) return `${Math.round(ms)} ms`;

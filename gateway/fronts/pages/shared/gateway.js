@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The connection of a page to its gateway. It comes back by itself, and asks for what was subscribed again.
+// The connection of a page to a gateway. It comes back by itself, and asks for what was subscribed again.
+// Other pages than those of the gateway also use this module: docs/how-to/javascript-module.md. `tools/page-types.sh` writes its types.
 
 import { Arrivals } from "./arrivals.js";
+import { BASE } from "./base.js";
 import { decode } from "./cbor.js";
 import { Drops } from "./drops.js";
 import { Graph } from "./graph.js";
@@ -18,28 +20,67 @@ const OF_TOPIC = [
 ];
 
 /**
- * Return the address of the WebSocket of the gateway that served this page.
+ * Return the address of the WebSocket of the gateway that served this page, or else this module.
  * @returns {string}
  */
 export function address() {
-  const path = document.querySelector('meta[name="websocket-path"]').getAttribute("content");
-  return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}?status=warning`;
+  const served = document.querySelector('meta[name="websocket-path"]');
+  const { protocol, host } = served ? location : new URL(import.meta.url);
+  return `${protocol === "https:" ? "wss" : "ws"}://${host}${served?.getAttribute("content") ?? `${BASE}/`}?status=warning`;
 }
+
+/**
+ * How to connect.
+ * @typedef {object} Options
+ * @property {string} [address] of the WebSocket, such as `ws://robot:9090?status=warning`. By default that of the gateway that served this module
+ * @property {string} [token] By default the one behind `#token=` in the address of the page, which is kept until its tab is closed
+ */
+
+/**
+ * The words of the gateway about a request or a topic. docs/reference/errors.md has the codes.
+ * @typedef {object} Status
+ * @property {"error"|"warning"|"info"|"none"} level
+ * @property {string} msg the event, and what to do
+ * @property {string} [code] such as `forbidden`
+ * @property {string} [request] the operation that it answers
+ * @property {string} [id] of that operation
+ */
+
+/**
+ * The events, each with what its listener gets.
+ * @typedef {object} Events
+ * @property {{state: "connecting"|"open"|"closed"|"token", reason: string}} state of the connection. `token`: the gateway needs one, or another one
+ * @property {number} silence the seconds for which nothing came although an answer is due. 0 when it is over
+ * @property {Status} status about nothing that hears it elsewhere
+ * @property {any} graph a frame with what has changed in `graph`
+ * @property {any} control a frame with the state of a command topic, after the operation `control` with `watch`
+ * @property {null} stopping `stop` was called: let go of all that is held
+ */
 
 /**
  * One subscription of a page. Several may be to the same topic.
  * @typedef {object} Subscription
  * @property {string} id
  * @property {string} topic
- * @property {object} options members of the operation `subscribe`
- * @property {(message: any, bytes: number, frame: object, dropped: number) => void} onMessage also gets how many were dropped before it
- * @property {(status: object) => void} onStatus gets the gateway's words about it
+ * @property {object} options
+ * @property {OnMessage} onMessage
+ * @property {(status: Status) => void} onStatus
  * @property {boolean} isRefused whether the gateway does not have it
  */
 
-/** Events: `state`, with `open`, `connecting`, `closed` or `token` as detail. `silence`, with the seconds for which nothing has come though
- * an answer is due, and with 0 when it is over. `stopping`, before this page's STOP goes out. The names of operations, such as `graph`,
- * `status` and `control`, with a frame that answers nothing as detail. */
+/**
+ * Gets each message of a topic, its size on the network, the frame as it arrived, and how many messages were dropped before it.
+ * @callback OnMessage
+ * @param {any} message
+ * @param {number} size
+ * @param {string|ArrayBuffer} data
+ * @param {number} dropped
+ * @returns {void}
+ */
+
+/**
+ * A connection to a gateway. `on` hears its events. A frame that answers nothing is an event with the name of its operation.
+ */
 export class Gateway extends EventTarget {
   #socket = null;
   #subscriptions = new Map();
@@ -48,26 +89,43 @@ export class Gateway extends EventTarget {
   #pending = new Map();
   #nextId = 1;
   #retryMs = FIRST_RETRY_MS;
-  #token = tokens.take();
+  #address;
+  #token;
+  #keep = tokens.keep;
   #pulse = new Pulse(() => this.#ping(), (seconds) => this.#tellOfSilence(seconds), (seconds) => this.#giveUp(seconds));
   #throttles = new Map(); // topic -> milliseconds
   #drops = new Map(); // topic -> Drops
   #settling = new Set(); // topics without a throttle, which the gateway may not have read yet
   #isRefused = false;
+  #retry; // the timer of the next attempt
+  #clockErrorMs = Infinity;
 
-  /** Frames and bytes so far, messages that were dropped for this page, and the last round trip in milliseconds. */
+  /**
+   * Frames and bytes so far, messages that were dropped for this page, and the last round trip in milliseconds.
+   * @type {{frames: number, bytes: number, dropped: number, roundTripMs: number|null}}
+   */
   counts = { frames: 0, bytes: 0, dropped: 0, roundTripMs: null };
-  /** The answer to `hello`, or null. */
+  /** The answer to `hello`, such as the role, or null before the first connection. @type {any} */
   hello = null;
   /** The ROS graph. The event `graph` follows each change. */
   graph = new Graph();
   /** The arrivals of each topic, in bytes as they are in ROS. @type {Map<string, Arrivals>} */
   arrivals = new Map();
 
+  /** @param {Options} [options] */
+  constructor({ address: wanted, token } = {}) {
+    super();
+    this.#address = wanted ?? address();
+    this.#token = token === undefined ? tokens.take() : tokens.cleaned(token);
+    if (token !== undefined) this.#keep = () => {};
+  }
+
   /**
    * Hear an event until the function that this returns is called.
-   * @param {string} name
-   * @param {(detail: any) => void} take
+   * @template {keyof Events} Name
+   * @param {Name} name
+   * @param {(detail: Events[Name]) => void} take
+   * @returns {() => void}
    */
   on(name, take) {
     const hear = (event) => take(event.detail);
@@ -75,14 +133,16 @@ export class Gateway extends EventTarget {
     return () => this.removeEventListener(name, hear);
   }
 
+  /** Connect, and again whenever the connection is lost, until `close`. */
   connect() {
+    clearTimeout(this.#retry);
     if (this.#token && !tokens.isToken(this.#token)) {
       this.#refuse("this is not a token: use letters, digits, and _, without spaces");
       return;
     }
     this.#announce("connecting");
     const protocols = this.#token ? ["ros2-gateway", `bearer.${this.#token}`] : [];
-    const socket = new WebSocket(address(), protocols);
+    const socket = new WebSocket(this.#address, protocols);
     this.#socket = socket;
     socket.binaryType = "arraybuffer";
     const ifCurrent = (action) => (event) => socket === this.#socket && action(event);
@@ -92,12 +152,23 @@ export class Gateway extends EventTarget {
     this.#pulse.begin();
   }
 
+  /** End the connection. The gateway stops what this page drives. `connect` begins again. */
+  close() {
+    const socket = this.#socket;
+    this.#close({ code: 0, reason: "" });
+    clearTimeout(this.#retry);
+    socket?.close();
+  }
+
   /** Whether operations can be sent. */
   get isOpen() {
     return this.#socket?.readyState === WebSocket.OPEN;
   }
 
-  /** Connect with a token from now on. */
+  /**
+   * Connect with a token from now on.
+   * @param {string} token
+   */
   useToken(token) {
     this.#token = tokens.cleaned(token);
     this.#isRefused = false;
@@ -105,8 +176,8 @@ export class Gateway extends EventTarget {
   }
 
   /**
-   * Send an operation. Return whether there is a connection to send it by.
-   * @param {object} operation
+   * Send an operation of docs/reference/protocol. Return whether there is a connection to send it by.
+   * @param {{op: string, [field: string]: any}} operation
    * @param {Object<string, string>} [json] further members, as JSON: their integers may be larger than a number here
    */
   send(operation, json = {}) {
@@ -116,7 +187,12 @@ export class Gateway extends EventTarget {
     return true;
   }
 
-  /** Send an operation and return its answer. Rejects with the gateway's words. */
+  /**
+   * Send an operation and return its answer. Rejects with the gateway's words, and its `code`, as an error.
+   * @param {{op: string, [field: string]: any}} operation
+   * @param {Object<string, string>} [json] as for `send`
+   * @returns {Promise<any>}
+   */
   ask(operation, json = {}) {
     const id = `page:${this.#nextId++}`;
     return new Promise((resolve, reject) => {
@@ -128,6 +204,7 @@ export class Gateway extends EventTarget {
   /**
    * Stop the robot, even if another client drives. First let go of everything: the gateway sees this page's STOP as this client's own stop,
    * and what is still held would drive on.
+   * @returns {Promise<{topics: string[]}>} what it stopped
    */
   stop() {
     this.dispatchEvent(new CustomEvent("stopping"));
@@ -136,7 +213,7 @@ export class Gateway extends EventTarget {
 
   /**
    * Hear all frames that name an id, for operations that have no answer, or several.
-   * @param {(frame: object) => void} onFrame
+   * @param {(frame: any) => void} onFrame
    * @returns {{id: string, end: () => void}}
    */
   listen(onFrame) {
@@ -148,11 +225,12 @@ export class Gateway extends EventTarget {
   /**
    * Subscribe until the function that this returns is called.
    * @param {string} topic
-   * @param {object} options further members of the operation
-   * @param {(message: any, size: number, data: string|ArrayBuffer, dropped: number) => void} onMessage also gets the frame as it arrived
-   * @param {(status: any) => void} onStatus
+   * @param {object} options further members of the operation `subscribe`, such as `throttle_rate` or `fields`
+   * @param {OnMessage} onMessage
+   * @param {(status: Status) => void} [onStatus] By default these are events
+   * @returns {() => void}
    */
-  subscribe(topic, options, onMessage, onStatus) {
+  subscribe(topic, options, onMessage, onStatus = (status) => this.#tell(status)) {
     const id = `page:${this.#nextId++}`;
     const subscription = { id, topic, options, onMessage, onStatus, isRefused: false };
     const before = this.throttleOf(topic);
@@ -170,7 +248,11 @@ export class Gateway extends EventTarget {
     };
   }
 
-  /** Return the least number of milliseconds between two messages of a topic, as this page has asked for it. 0 for all messages. */
+  /**
+   * Return the least number of milliseconds between two messages of a topic, as this page has asked for it. 0 for all messages.
+   * @param {string} topic
+   * @returns {number|undefined}
+   */
   throttleOf(topic) {
     return this.#throttles.get(topic);
   }
@@ -188,7 +270,8 @@ export class Gateway extends EventTarget {
    * @param {string} target
    * @param {string} source the frame whose pose in *target* is reported
    * @param {number} rate at most so many a second
-   * @param {(transform: object) => void} onTransform gets `translation` and `rotation`
+   * @param {(transform: any) => void} onTransform gets `translation` and `rotation`
+   * @returns {() => void}
    */
   followTransform(target, source, rate, onTransform) {
     const id = `page:${this.#nextId++}`;
@@ -214,8 +297,9 @@ export class Gateway extends EventTarget {
       if (error.code === "forbidden") this.#refuse();
       return;
     }
-    tokens.keep(this.#token);
+    this.#keep(this.#token);
     this.#retryMs = FIRST_RETRY_MS;
+    this.#clockErrorMs = Infinity; // the gateway may be another one
     for (const drops of this.#drops.values()) drops.restart();
     this.#announce("open");
     this.send({ op: "graph", watch: true });
@@ -227,8 +311,13 @@ export class Gateway extends EventTarget {
   async #ping() {
     const began = performance.now();
     try {
-      await this.ask({ op: "ping" });
-      this.counts.roundTripMs = performance.now() - began;
+      const { gateway_time: { sec, nanosec } } = await this.ask({ op: "ping" });
+      const roundTripMs = performance.now() - began;
+      this.counts.roundTripMs = roundTripMs;
+      this.#clockErrorMs *= 1.1; // clocks drift and are set, so an old ping counts less and less
+      if (roundTripMs >= this.#clockErrorMs) return;
+      this.#clockErrorMs = roundTripMs; // of the last pings the fastest counts, as in NTP
+      this.send({ op: "ping", clock_offset_ms: sec * 1000 + nanosec / 1e6 - (Date.now() - roundTripMs / 2) });
     } catch {
       this.counts.roundTripMs = null; // the end of the connection says more
     }
@@ -255,11 +344,11 @@ export class Gateway extends EventTarget {
     try {
       frame = isText ? parse(data) : decode(data);
     } catch (error) {
-      this.#tell(`the gateway sent invalid ${isText ? "JSON" : "CBOR"}: ${error.message}`);
+      this.#tell({ level: "error", msg: `the gateway sent invalid ${isText ? "JSON" : "CBOR"}: ${error.message}` });
       return;
     }
     if (typeof frame?.op !== "string" || (frame.op === "publish" && !(frame.msg instanceof Object))) {
-      this.#tell(`the gateway sent an unknown operation: ${json(frame)?.slice(0, 80)}`);
+      this.#tell({ level: "error", msg: `the gateway sent an unknown operation: ${json(frame)?.slice(0, 80)}` });
       return;
     }
     if (this.#listeners.has(frame.id)) {
@@ -321,7 +410,7 @@ export class Gateway extends EventTarget {
     else if (isLookup(frame)) return; // the frame may come yet. Until then nothing is shown
     else if (frame.request === "unsubscribe" && frame.code === "not_found") return; // it was refused
     else if (!this.#settle(frame.id, null, frame.msg, frame.code)) {
-      this.dispatchEvent(new CustomEvent("status", { detail: frame }));
+      this.#tell(frame);
     }
   }
 
@@ -342,14 +431,14 @@ export class Gateway extends EventTarget {
     if (event.code === WRONG_TOKEN) this.#refuse("this token is unknown or revoked: enter another one");
     if (this.#isRefused) return;
     this.#announce("closed", event.reason);
-    setTimeout(() => this.connect(), this.#retryMs);
+    this.#retry = setTimeout(() => this.connect(), this.#retryMs);
     this.#retryMs = Math.min(2 * this.#retryMs, LAST_RETRY_MS);
   }
 
   #refuse(reason = "") {
     if (this.#isRefused) return;
     this.#isRefused = true; // trying again without a token does not help
-    tokens.keep(null);
+    this.#keep(null);
     this.#socket?.close();
     this.#announce("token", reason);
   }
@@ -358,8 +447,8 @@ export class Gateway extends EventTarget {
     this.dispatchEvent(new CustomEvent("state", { detail: { state, reason } }));
   }
 
-  #tell(msg) {
-    this.dispatchEvent(new CustomEvent("status", { detail: { level: "error", msg } }));
+  #tell(status) {
+    this.dispatchEvent(new CustomEvent("status", { detail: status }));
   }
 }
 

@@ -18,17 +18,20 @@ const KNOB_REM = 3.5; // from the middle of the stick to its edge
  * @param {HTMLElement} knob
  * @param {(linear: number, angular: number) => void} report in shares, -1 to 1. Forward and left are positive
  * @param {Window|HTMLElement} [where] keys count only while this has the focus
- * @returns {{letGo: () => void, end: () => void}} let go of everything, until it is pressed again, or for good
+ * @param {HTMLElement} [zone] around the stick: a finger that touches it has the stick below it
+ * @returns {{letGo: () => void, end: () => void, push: (linear: number, angular: number) => boolean}} let go of everything, until it is
+ *   pressed again, or for good. `push`: what else is held, such as a gamepad. Returns whether it counts
  */
-export function watch(stick, knob, report, where = window) {
+export function watch(stick, knob, report, where = window, zone = stick) {
   const ending = new AbortController();
   const { signal } = ending;
   let keys = [0, 0];
   let pushed = [0, 0];
+  let others = [0, 0];
   const tell = () => {
-    const isHeld = [...keys, ...pushed].some(Boolean);
+    const isHeld = [...keys, ...pushed, ...others].some(Boolean);
     if (isHeld && stick.ariaDisabled === "true") return letGo(); // disabled. Once enabled, it has to be pressed again
-    const [linear, angular] = [keys[0] + pushed[0], keys[1] + pushed[1]];
+    const [linear, angular] = [keys[0] + pushed[0] + others[0], keys[1] + pushed[1] + others[1]];
     point(knob, linear, angular);
     report(linear, angular);
   };
@@ -36,15 +39,24 @@ export function watch(stick, knob, report, where = window) {
     keys = sum;
     tell();
   }, { where, signal });
-  const letGoOfStick = watchStick(stick, (...position) => {
+  const letGoOfStick = watchStick(stick, zone, (...position) => {
     pushed = position;
     tell();
   }, signal);
   whenUnseen(letGoOfStick, { where, signal });
 
+  function push(linear, angular) {
+    if ((linear || angular) && stick.ariaDisabled === "true") return false;
+    others = [linear, angular];
+    tell();
+    return true;
+  }
+
   function letGo() {
+    others = [0, 0];
     letGoOfKeys();
     letGoOfStick();
+    tell();
   }
 
   function end() {
@@ -52,7 +64,7 @@ export function watch(stick, knob, report, where = window) {
     ending.abort();
   }
 
-  return { letGo, end };
+  return { letGo, end, push };
 }
 
 /** Show by the knob where the robot is driven, also by keys. */
@@ -64,17 +76,19 @@ function point(knob, linear, angular) {
 /**
  * Report where the knob of a stick is pushed to.
  * @param {HTMLElement} stick
+ * @param {HTMLElement} zone
  * @param {(linear: number, angular: number) => void} report
  * @param {AbortSignal} signal
  * @returns {() => void} let go of the knob, until it is taken again
  */
-function watchStick(stick, report, signal) {
+function watchStick(stick, zone, report, signal) {
   let pointer = null; // the one that holds the knob
   let place = stick.getBoundingClientRect(); // the place of the joystick when it was taken: if it moves then, that is not a push
 
   function letGo() {
     if (pointer === null) return;
     pointer = null;
+    stick.style.translate = "";
     report(0, 0);
   }
 
@@ -88,16 +102,24 @@ function watchStick(stick, report, signal) {
     report(-down / length, -right / length);
   }
 
-  stick.addEventListener("pointerdown", (event) => {
-    if (pointer !== null || event.button) return;
+  zone.addEventListener("pointerdown", (event) => {
+    const isBeside = event.target === zone && zone !== stick;
+    if (pointer !== null || event.button || stick.ariaDisabled === "true" || (isBeside && event.pointerType !== "touch")) return;
     pointer = event.pointerId;
+    if (isBeside) putBelow(stick, event);
     place = stick.getBoundingClientRect();
-    stick.setPointerCapture(pointer);
+    zone.setPointerCapture(pointer);
     drag(event);
   }, { signal });
-  stick.addEventListener("pointermove", drag, { signal });
-  stick.addEventListener("lostpointercapture", (event) => event.pointerId === pointer && letGo(), { signal });
-  stick.addEventListener("contextmenu", (event) => event.preventDefault(), { signal }); // a resting thumb also opens one
+  zone.addEventListener("pointermove", drag, { signal });
+  zone.addEventListener("lostpointercapture", (event) => event.pointerId === pointer && letGo(), { signal });
+  zone.addEventListener("contextmenu", (event) => event.preventDefault(), { signal }); // a resting thumb also opens one
   addEventListener("resize", letGo, { signal }); // the screen was turned: the way ahead is to the side now
   return letGo;
+}
+
+/** Put the middle of a stick below a finger. */
+function putBelow(stick, { clientX, clientY }) {
+  const { left, top, width, height } = stick.getBoundingClientRect();
+  stick.style.translate = `${clientX - left - width / 2}px ${clientY - top - height / 2}px`;
 }

@@ -45,11 +45,11 @@ export function whenUnseen(letGo, { where, signal }) {
   document.addEventListener("visibilitychange", () => document.hidden && letGo(), { signal });
 }
 
-/** Return whether a key is for what has the focus: each for a text, a list or a dialog, the arrows for a slider. */
+/** Return whether a key is for what has the focus: each for a text, a list, a menu or a dialog, the arrows for a slider. */
 export function isTaken({ target, code }) {
   if (!(target instanceof Element)) return false;
   if (target instanceof HTMLInputElement && target.type === "range") return code.startsWith("Arrow");
-  return target.matches("input:not([type=button]), select, textarea, dialog *");
+  return target.matches("input:not([type=button]), select, textarea, dialog *, [role=menu], [role=menu] *");
 }
 
 const isModified = ({ key, ctrlKey, metaKey, altKey }) => ctrlKey || metaKey || altKey || MODIFIERS.includes(key);

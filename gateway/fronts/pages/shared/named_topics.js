@@ -6,11 +6,15 @@ const KINDS = {
   map: { what: "map", types: ["nav_msgs/msg/OccupancyGrid"] },
   scan: { what: "laser scan", types: ["sensor_msgs/msg/LaserScan"] },
   odometry: { what: "odometry", types: ["nav_msgs/msg/Odometry"] },
+  battery: { what: "battery", types: ["sensor_msgs/msg/BatteryState"] },
+  cloud: { what: "point cloud", types: ["sensor_msgs/msg/PointCloud2"] },
+  description: { what: "robot description", types: ["std_msgs/msg/String"], ending: "robot_description" },
+  footprint: { what: "footprint", types: ["geometry_msgs/msg/PolygonStamped"], ending: "footprint" }, // other polygons are not the robot's
 };
 const COMMAND = "command";
 const ALL = [...Object.keys(KINDS), COMMAND];
 
-/** @typedef {"camera"|"map"|"scan"|"odometry"} Kind */
+/** @typedef {"camera"|"map"|"scan"|"odometry"|"battery"|"footprint"|"cloud"|"description"} Kind */
 
 const address = () => new URLSearchParams(location.hash.slice(1));
 
@@ -27,6 +31,13 @@ export function named(kind) {
   return !name || name.startsWith("/") ? name : `/${name}`;
 }
 
+/** Name a topic of a kind in the address, without loading the page again. */
+export function choose(kind, name) {
+  const names = address();
+  names.set(kind, name);
+  history.replaceState(history.state, "", `#${names.toString().replaceAll("%2F", "/")}`);
+}
+
 /** Return the topic that takes commands, if the address names one. */
 export const namedCommand = () => named(COMMAND) || undefined;
 
@@ -37,7 +48,8 @@ export const namedCommand = () => named(COMMAND) || undefined;
  */
 export function published(graph, kind) {
   const name = named(kind);
-  if (!name) return graph.published(...KINDS[kind].types)?.name ?? "";
+  const { types, ending = "" } = KINDS[kind];
+  if (!name) return [...graph.topics.values()].find((each) => each.publishers.length && types.includes(each.types[0]) && each.name.endsWith(ending))?.name ?? "";
   return graph.topics.get(name)?.publishers.length && isOf(graph.typeOf(name), kind) ? name : "";
 }
 

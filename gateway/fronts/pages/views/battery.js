@@ -7,6 +7,9 @@ const LOW = 0.2;
 
 /** A battery in words and as a bar. */
 export class BatteryView {
+  static title = "Battery";
+  static types = ["sensor_msgs/msg/BatteryState"];
+
   options = { throttle_rate: 500 };
   element = element("div", { className: "battery" });
   #meter = element("meter", { min: 0, max: 1, low: LOW, high: LOW, optimum: 1, aria: { label: "charge" } });

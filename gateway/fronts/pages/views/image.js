@@ -1,29 +1,84 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
-import { Newest } from "./newest.js";
+import { colourFilter, COLOURS } from "./depth_colours.js";
+import { Picture } from "./picture.js";
+import { Zoom } from "./zoom.js";
 
-/** The newest image, decoded on another thread. */
+const FULL_WIDTH = 1920; // pixels, where it fills the page
+const USUAL_RANGE_M = [0, 10]; // of a depth image, as the gateway has it
+
+/** The newest image, full screen with zoom. A depth image also has its range, and colours. */
 export class ImageView {
-  options = { compression: "cbor", image: { quality: 70, max_width: 640, adapt: true } };
-  // as most cameras have it: then nothing below moves with the first one
-  #canvas = element("canvas", { className: "picture", width: 640, height: 480, role: "img" });
-  #newest;
+  static title = "Image";
+  static types = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
+
+  #card;
+  #picture;
+  #depth; // the tools for it
+  #ends; // near and far
+  #colours;
+  #stage;
+  #zoom;
+  #ignore;
 
   constructor(card) {
-    this.element = this.#canvas;
-    this.#canvas.setAttribute("aria-label", `image of ${card.topic}`);
-    this.#newest = new Newest(card, ({ format }) => `this image (${format})`, (message) => this.#decode(message));
+    this.#card = card;
+    this.#picture = new Picture(card, ({ depth_range_m: range }) => this.#depth.hidden === Boolean(range) && this.#paintDepth(Boolean(range)));
+    this.#stage = element("div", { className: "stage", role: "group", aria: { label: `picture of ${card.topic}` } }, this.#picture.element);
+    this.#zoom = new Zoom(this.#stage, this.#picture.element);
+    this.#ends = ["near", "far"].map((name, index) => this.#end(name, USUAL_RANGE_M[index]));
+    this.#colours = element("select", { aria: { label: `colors of ${card.topic}` } }, ...COLOURS.map((each) => new Option(each)));
+    this.#colours.value = COLOURS.includes(card.settings.colors) ? card.settings.colors : COLOURS[0];
+    this.#colours.onchange = () => {
+      card.keep("colors", this.#colours.value, COLOURS[0]);
+      this.#paintDepth();
+    };
+    const [near, far] = this.#ends.map((each, index) => element("label", {}, `${["near", "far"][index]} (m) `, each));
+    this.#depth = element("div", { className: "tools", hidden: true }, near, far, this.#colours);
+    const full = element("button", { type: "button", title: "fill the page below STOP. Zoom by wheel, fingers, + and -, 0 shows all", aria: { label: `Full screen of ${card.topic}` } }, "Full screen");
+    full.onclick = () => card.setFull(!card.isFull);
+    this.#ignore = card.onFull((isFull) => this.#fill(isFull, full));
+    this.element = element("div", { className: "pictured" }, this.#stage, this.#depth, element("div", { className: "tools" }, full));
+  }
+
+  get options() {
+    const { compression, image: usual } = this.#picture.options;
+    const image = this.#card.isFull ? { ...usual, max_width: FULL_WIDTH } : usual;
+    const range = this.#ends.map((each, index) => (each.validity.valid && each.value !== "" ? each.valueAsNumber : USUAL_RANGE_M[index]));
+    const isUsual = String(range) === String(USUAL_RANGE_M) || !(range[0] < range[1]);
+    return { compression, image: isUsual ? image : { ...image, depth_range_m: range } };
   }
 
   show(message) {
-    this.#newest.take(message);
+    this.#picture.show(message);
   }
 
-  async #decode({ data, format }) {
-    const type = format.includes("png") ? "image/png" : "image/jpeg";
-    const bitmap = await createImageBitmap(new Blob([data], { type }));
-    if (this.#canvas.width !== bitmap.width) this.#canvas.width = bitmap.width; // setting it causes a new layout of the page
-    if (this.#canvas.height !== bitmap.height) this.#canvas.height = bitmap.height;
-    this.#canvas.getContext("bitmaprenderer").transferFromImageBitmap(bitmap); // closes it, and copies nothing
+  close() {
+    this.#ignore();
+  }
+
+  #paintDepth(isDepth = true) {
+    this.#depth.hidden = !isDepth;
+    this.#picture.element.style.filter = isDepth ? colourFilter(this.#colours.value) : "";
+  }
+
+  /** Return a field for an end of the range of a depth image. */
+  #end(name, usual) {
+    const made = element("input", { type: "number", min: 0, max: 1000, step: "any", value: this.#card.settings[name] ?? usual, aria: { label: `${name} end of ${this.#card.topic}` } });
+    made.onchange = () => {
+      this.#card.keep(name, made.value, usual);
+      this.#card.subscribe();
+    };
+    return made;
+  }
+
+  #fill(isFull, button) {
+    button.textContent = isFull ? "Leave full screen" : "Full screen";
+    this.#stage.tabIndex = isFull ? 0 : -1;
+    this.#zoom.isOn = isFull;
+    this.#zoom.reset();
+    this.#card.subscribe(); // as large as it is seen
+    if (isFull) this.#stage.focus();
+    else button.focus();
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { MapTools } from "./map_tools.js";
 import { Newest } from "./newest.js";
 import { MAP_OPTIONS, Painter } from "./painter.js";
 import { insist, Plan, yawOf } from "./plan.js";
@@ -7,6 +8,9 @@ import { Whereabouts } from "./whereabouts.js";
 
 /** A map with the robot and the first laser scan in it, as far as ROS knows where they are. */
 export class MapView {
+  static title = "Map";
+  static types = ["nav_msgs/msg/OccupancyGrid"];
+
   options = MAP_OPTIONS;
   #card;
   #plan;
@@ -18,12 +22,20 @@ export class MapView {
   #missing = element("p", { className: "missing", role: "status", hidden: true });
   #isOld = false; // the robot's place, or its scan
   #isDirty = false;
+  #tools = null; // of a card: other pages have a map to look at
+  /** Further things to draw below the robot: each gets the plan, its frame, and the pose of the robot or null. @type {((plan: Plan, frame: string, robot: any) => void)[]} */
+  overlays = [];
 
   constructor(card) {
     this.#card = card;
     this.#plan = new Plan(`map of ${card.topic}, seen from above`);
     this.#newest = new Newest(card, () => "this map", (message) => this.#paint(message));
-    this.element = element("div", { className: "overlaid" }, this.#plan.element, this.#missing);
+    const drawn = element("div", { className: "overlaid" }, this.#plan.element, this.#missing);
+    this.element = drawn;
+    if (!card.actions) return;
+    const about = () => ({ frame: this.#frame, robot: this.#whereabouts?.robot ?? null });
+    this.#tools = new MapTools(this.#plan, card.gateway, about, () => (this.#isDirty = true), card.topic);
+    this.element = element("div", {}, drawn, this.#tools.element);
   }
 
   /** The arrivals of the transforms that place the robot, or undefined. */
@@ -44,16 +56,25 @@ export class MapView {
     this.#isOld = isLate;
     if (!this.#isDirty) return;
     this.#isDirty = false;
-    const { bitmap, origin, resolution, middle, reach } = this.#map;
+    const { bitmap, origin, resolution } = this.#map;
+    const { middle, reach } = this.#tools?.part(this.#map.middle, this.#map.reach) ?? this.#map;
     this.#plan.begin(middle, reach);
     this.#plan.image(bitmap, origin, resolution);
     this.#plan.grid();
     const old = isLate ? "quiet" : undefined;
+    for (const overlay of this.overlays) overlay(this.#plan, this.#frame, robot);
     if (scan && laser) this.#plan.scan(scan, laser, old);
     if (robot) this.#plan.robot(robot, old);
+    this.#tools?.draw();
+  }
+
+  /** Draw again before the next frame. */
+  redraw() {
+    this.#isDirty = true;
   }
 
   close() {
+    this.#tools?.close();
     this.#whereabouts?.close();
     this.#painter.close();
   }

@@ -7,6 +7,7 @@ const SIZE = 480; // pixels
 const MARGIN = 12;
 const ROBOT = 0.12; // metres from its middle to its nose
 const LEAST_ROBOT = 7; // pixels
+const ARROW = 36; // pixels
 const FARTHEST = 1e9; // metres: much farther, and the next number that a computer has is the next line of a grid
 
 /** Return the heading of an orientation, seen from above. */
@@ -113,6 +114,18 @@ export class Plan {
     this.#pen.lineWidth = 1;
   }
 
+  /** Draw a point, and a circle around it, which may have no size. */
+  circle({ x, y }, radius, colour = "warning") {
+    const [left, top] = this.#at(x, y);
+    this.#pen.strokeStyle = this.#pen.fillStyle = token(colour);
+    this.#pen.beginPath();
+    this.#pen.arc(left, top, 4, 0, 2 * Math.PI);
+    this.#pen.fill();
+    this.#pen.beginPath();
+    this.#pen.arc(left, top, radius * this.#scale, 0, 2 * Math.PI);
+    this.#pen.stroke();
+  }
+
   /** Draw the robot, its nose forward. */
   robot({ x, y, yaw }, colour = "warning") {
     const length = Math.max(LEAST_ROBOT, ROBOT * this.#scale);
@@ -124,6 +137,40 @@ export class Plan {
       this.#pen.lineTo(left + Math.cos(turned + angle) * share * length, top - Math.sin(turned + angle) * share * length);
     }
     this.#pen.fill();
+  }
+
+  /** Draw an arrow that begins at a place. */
+  arrow({ x, y, yaw }, colour) {
+    const [left, top] = this.#at(x, y);
+    const turned = yaw - this.#middle.up + Math.PI / 2;
+    const end = (length, angle) => [left + Math.cos(turned + angle) * length, top - Math.sin(turned + angle) * length];
+    this.#pen.strokeStyle = token(colour);
+    this.#pen.lineWidth = 3;
+    this.#pen.beginPath();
+    this.#pen.arc(left, top, 5, 0, 2 * Math.PI);
+    for (const [from, to] of [[[5, 0], [ARROW, 0]], [[ARROW * 0.75, 0.25], [ARROW, 0]], [[ARROW * 0.75, -0.25], [ARROW, 0]]]) {
+      this.#pen.moveTo(...end(...from));
+      this.#pen.lineTo(...end(...to));
+    }
+    this.#pen.stroke();
+    this.#pen.lineWidth = 1;
+  }
+
+  /** The place in the middle. */
+  get middle() {
+    return this.#middle;
+  }
+
+  /** Return the place that a pointer is at. */
+  placeOf({ clientX, clientY }) {
+    const { left, top, width, height } = this.element.getBoundingClientRect();
+    const metres = SIZE / Math.min(width, height) / this.#scale; // of a pixel of the screen: the picture is square in whatever box
+    const [right, up] = [(clientX - left - width / 2) * metres, (top + height / 2 - clientY) * metres];
+    const turn = Math.PI / 2 - this.#middle.up;
+    return {
+      x: this.#middle.x + Math.cos(turn) * right + Math.sin(turn) * up,
+      y: this.#middle.y - Math.sin(turn) * right + Math.cos(turn) * up,
+    };
   }
 
   #label(text, left, bottom) {

@@ -1,76 +1,82 @@
 // SPDX-License-Identifier: Apache-2.0
-import { element, token } from "../shared/dom.js";
-import uPlot from "../vendor/uplot.js";
-import { isNumber } from "./numbers.js";
+import { element } from "../shared/dom.js";
+import { asked, isNumber, valueAt, written } from "./numbers.js";
+import { against, join, overTime } from "./plot_chart.js";
+import { changes, csv, pairs, Samples, unitOfChange } from "./plot_data.js";
+import { PlotTools } from "./plot_tools.js";
 import { TreeView } from "./tree.js";
+import { unitOf } from "./units.js";
 
-const SPAN_S = 30;
-const MOST_POINTS = 6000;
-const HEIGHT = 220; // pixels, as these are:
-const LINE = 1.5;
-const EDGE = 1;
-const LEAST_SHARE = 1e-9; // of a number, that an axis shows around it
-const LARGEST = 8e307; // on an axis: the difference of its ends is also a number
-const STEPS_S = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60]; // between two marks of time
-/** @type {any} the library has no types here */
-const Plot = uPlot;
-const COLOURS = ["series-1", "series-2", "series-3", "series-4"];
+const HEIGHT = 220; // pixels
+const LEAST_REST_MS = 66; // the eye sees no more of a line
+const MOST_REST_MS = 500;
+const MOST_CURVES = 8;
+const STAMP = "header.stamp";
 
-/** Numeric fields over the last 30 s, by the time of arrival, with their values at the pointer. */
+/**
+ * A number that is plotted.
+ * @typedef {{field: string, topic: string, path: string, isShown: boolean}} Curve
+ * `field` is how the card names it: a path in its own topic, or `/topic:path`
+ */
+
+/** Numeric fields of one topic or several over some time, how fast they change, or one against another, with their values at the pointer. */
 export class PlotView {
+  static title = "Plot";
+
   /** What to do with a plot that stands still, in words. */
-  held = "drag across the plot to zoom, double-click to see all";
-  /** Milliseconds between two drawings: the eye sees no more of a line. */
-  rest = 66;
+  held = "drag across the plot to zoom, double-click to see all, and move the slider to go back";
   element = element("div", { className: "plot" });
-  #columns; // time, and the values of each field
-  #drawn; // of these what is drawn: it stands still while more is kept
-  #drawnAt = 0; // in seconds
+  #card;
+  /** @type {Curve[]} those of a topic next to each other */
+  #curves = [];
+  /** @type {Map<string, Samples>} of each topic */
+  #samples = new Map();
+  #ends = new Map(); // other topic -> what ends its subscription
+  #drawn = [[]]; // it stands still while more is kept
+  #drawnAt = 0; // the end of the window, in seconds
   #hasLong = false; // whether a value is a BigInt, which nothing can be drawn by
   #plot = null;
   /** @type {TreeView|null} of the numbers that can be plotted, until one is chosen */
   #choice = null;
-  #labels = []; // of the legend, one for each curve
+  #tools;
+  #chart = element("div");
   /** In pixels. To ask the element would lay out the page for each plot, because the one before has written its legend. */
   #width = 0;
   #observer = new ResizeObserver((entries) => (this.#width = Math.floor(entries.at(-1).contentRect.width)));
 
   constructor(card) {
-    this.card = card;
+    this.#card = card;
     this.#observer.observe(this.element);
-    if (!card.fields.length) this.#choice = new TreeView({ plot: (path) => card.choose(path) });
-    this.#columns = [[], ...card.fields.map(() => [])];
-    this.#drawn = this.#columns.map(() => []);
+    if (!card.fields.length) {
+      this.#choice = new TreeView({ plot: (path) => card.choose(path) });
+      return;
+    }
+    this.#tools = new PlotTools(card, { changed: (name) => this.#restart(name), panned: () => this.#pan(), csv: () => this.#csv(), add: (field) => this.#join(field) });
+    this.element.append(this.#tools.element, this.#chart, this.#tools.slider);
+    for (const each of card.fields.slice(0, MOST_CURVES)) this.#take(each);
+    this.#follow();
   }
 
   get options() {
-    return this.#choice?.options ?? { fields: this.card.fields.map((each) => each.replace(/\.\d+(?=\.|$).*/, "")) };
+    if (this.#choice) return this.#choice.options;
+    return { fields: this.#fieldsOf(this.#card.topic) };
+  }
+
+  /** Milliseconds between two drawings: of a long window, a curve moves slowly. */
+  get rest() {
+    return Math.max(LEAST_REST_MS, Math.min(MOST_REST_MS, 2 * (this.#tools?.span ?? 0)));
   }
 
   /** Draw one more field of the card: the newest of its fields. The drawn ones continue. */
   add() {
-    for (const columns of [this.#columns, this.#drawn]) columns.push(columns[0].map(() => null));
-    this.#plot?.destroy();
-    this.#plot = null;
-    this.#labels = [];
-    if (this.#drawn[0].length) this.#render();
+    if (this.#curves.length >= MOST_CURVES) return;
+    this.#take(this.#card.fields.at(-1));
+    this.#follow();
+    this.#remake();
   }
 
   keep(message) {
-    if (this.#choice) return;
-    const now = performance.now() / 1000;
-    let strange = "";
-    this.#columns[0].push(now);
-    this.card.fields.forEach((path, index) => {
-      const value = path.split(".").reduce((each, name) => each?.[name], message);
-      strange ||= value === undefined || typeof value === "boolean" || isNumber(value) ? "" : path;
-      this.#hasLong ||= typeof value === "bigint";
-      this.#columns[index + 1].push(drawable(value));
-    });
-    const late = this.#columns[0].findIndex((each) => each >= now - SPAN_S);
-    const excess = Math.max(late, this.#columns[0].length - MOST_POINTS);
-    if (excess > MOST_POINTS / 10 || late > 200) for (const each of this.#columns) each.splice(0, excess);
-    if (strange) throw new TypeError(`${strange} is not a number`);
+    if (!this.#choice) this.#keep(this.#card.topic, message);
   }
 
   show(message) {
@@ -79,42 +85,148 @@ export class PlotView {
       this.#choice.show(message);
       return;
     }
-    this.#drawn = this.#columns.map((each) => each.slice());
-    this.#drawnAt = performance.now() / 1000;
+    this.#drawnAt = this.#now;
     this.#render();
   }
 
   draw() {
-    if (!this.#plot && this.#drawn[0].length) this.#render(); // it was not laid out when its newest message came
+    const isDue = this.#plot ? this.#plot.width !== this.#width : this.#samples.get(this.#card.topic)?.length;
+    if (isDue) this.#render(); // it was not laid out when its newest message came, or it has another width since
   }
 
-  #render() {
-    if (!this.#width) return; // not laid out yet
-    this.#plot ??= this.#make(this.#width);
-    if (this.#plot.width !== this.#width) this.#plot.setSize({ width: this.#width, height: HEIGHT });
-    this.#plot.setData(this.#numbers, false);
-    this.#plot.setScale("x", { min: this.#drawnAt - SPAN_S, max: this.#drawnAt });
-    this.#label();
-  }
-
-  /** The drawn values as numbers: a curve does not need the last digits of a long integer. */
-  get #numbers() {
-    return this.#hasLong ? this.#drawn.map((each) => each.map((value) => (value === null ? null : Number(value)))) : this.#drawn;
+  /** Stand still, or go on. */
+  hold(isPaused) {
+    this.#tools?.hold(isPaused, Math.max(0, this.#drawnAt - this.#oldest - this.#tools.span));
+    if (isPaused && this.#plot) this.#render();
   }
 
   close() {
     this.#observer.disconnect();
+    this.#tools?.close();
+    for (const end of this.#ends.values()) end();
+  }
+
+  /** The time at which the window ends that is seen: now, or the newest stamp. */
+  get #now() {
+    if (!this.#tools.isStamped) return performance.now() / 1000;
+    return Math.max(...[...this.#samples.values()].map(({ newest = 0 }) => newest));
+  }
+
+  get #oldest() {
+    return Math.min(...[...this.#samples.values()].map(({ oldest = Infinity }) => oldest), this.#drawnAt);
+  }
+
+  /** Have one more curve, next to those of its topic. */
+  #take(field) {
+    const [topic, path] = field.startsWith("/") ? field.split(":") : [this.#card.topic, field];
+    const curve = { field, topic, path, isShown: true };
+    const last = this.#curves.map((each) => each.topic).lastIndexOf(topic);
+    this.#curves.splice(last < 0 ? this.#curves.length : last + 1, 0, curve);
+    if (!this.#samples.has(topic)) this.#samples.set(topic, new Samples(0));
+    this.#samples.get(topic).addColumn();
+  }
+
+  #join(field) {
+    if (!this.#card.fields.includes(field) && this.#curves.length < MOST_CURVES) this.#card.join(field);
+  }
+
+  #fieldsOf(topic) {
+    const paths = this.#curves.filter((each) => each.topic === topic).map(({ path }) => asked(path));
+    return this.#tools.isStamped ? [...paths, STAMP] : paths;
+  }
+
+  /** Subscribe to the other topics as their curves ask for it now. */
+  #follow() {
+    for (const topic of this.#samples.keys()) {
+      if (topic === this.#card.topic) continue;
+      const before = this.#ends.get(topic);
+      const throttle = this.#card.rate ? Math.round(1000 / this.#card.rate) : 0;
+      const options = { fields: this.#fieldsOf(topic), throttle_rate: throttle };
+      this.#ends.set(topic, this.#card.gateway.subscribe(topic, options, (message) => this.#keep(topic, message), ({ msg }) => this.#card.tell(msg)));
+      before?.();
+    }
+  }
+
+  #keep(topic, message) {
+    let strange = "";
+    const values = this.#curves.filter((each) => each.topic === topic).map(({ path }) => {
+      const value = valueAt(message, path);
+      strange ||= value === undefined || typeof value === "boolean" || isNumber(value) ? "" : path;
+      this.#hasLong ||= typeof value === "bigint";
+      return drawable(value);
+    });
+    const { sec = 0, nanosec = 0 } = message.header?.stamp ?? {};
+    this.#samples.get(topic).add(this.#tools.isStamped ? sec + nanosec / 1e9 : performance.now() / 1000, values);
+    if (strange) throw new TypeError(`${strange} is not a number`);
+  }
+
+  #render() {
+    if (!this.#width) return; // not laid out yet
+    this.#draw();
+  }
+
+  #draw(end = this.#drawnAt) {
+    this.#drawn = this.#table(end - this.#tools.span, end);
+    const width = this.#width;
+    const isMade = this.#plot !== null;
+    this.#plot ??= (this.#tools.mode === "xy" ? against : overTime)(this.#labelled, this.#owner, width, () => this.#data, this.#chart);
+    if (this.#plot.width !== width) this.#plot.setSize({ width, height: HEIGHT });
+    if (isMade) this.#plot.setData(this.#data, this.#tools.mode === "xy");
+    if (this.#tools.mode !== "xy") this.#plot.setScale("x", { min: end - this.#tools.span, max: end });
+    this.#label();
+  }
+
+  /** Return what is kept of a time, as a table of all curves. */
+  #table(from, to) {
+    const tables = [...this.#samples.values()].map((each) => {
+      const [times, ...columns] = each.within(from, to);
+      return [times, ...(this.#tools.mode === "change" ? columns.map((values) => changes(times, values)) : columns)];
+    });
+    return join(tables);
+  }
+
+  /** The drawn values as the chart takes them: a curve does not need the last digits of a long integer. */
+  get #data() {
+    const numbers = this.#hasLong ? this.#drawn.map((each) => each.map((value) => (typeof value === "bigint" ? Number(value) : value))) : this.#drawn;
+    return this.#tools.mode === "xy" ? [null, ...pairs(numbers)] : numbers;
+  }
+
+  get #labelled() {
+    return this.#curves.map(({ field, isShown }) => ({ label: field, isShown }));
+  }
+
+  get #owner() {
+    return {
+      isPaused: () => this.#card.isPaused,
+      moved: () => this.#plot && this.#label(),
+      since: (time) => this.#since(time),
+      toggled: (index, isShown) => (this.#curves[index].isShown = isShown),
+    };
   }
 
   /** Write the value of each curve next to its name: the one at the pointer, or else the newest. */
   #label() {
-    if (!this.#labels.length) this.#labels = [...this.element.querySelectorAll(".u-series .u-label")].slice(-this.card.fields.length);
-    const place = this.#plot?.cursor.idx ?? -1;
+    const place = this.#tools.mode === "xy" ? -1 : this.#plot.cursor.idx ?? -1;
     const time = place < 0 ? "" : `, ${(-this.#since(this.#drawn[0][place])).toFixed(1)} s ago`;
-    this.card.fields.forEach((path, index) => {
-      const text = `${path} ${written(this.#drawn[index + 1].at(place))}${time}`;
-      if (this.#labels[index].textContent !== text) this.#labels[index].textContent = text;
+    const skipped = this.#tools.mode === "xy" ? 1 : 0; // the one on the axis
+    this.#curves.slice(skipped).forEach(({ field, topic, path }, index) => {
+      const isChange = this.#tools.mode === "change";
+      const unit = unitOf(this.#typeOf(topic), path);
+      const value = `${written(this.#valueOf(index + skipped, place))} ${isChange ? unitOfChange(unit) : unit}`.trim();
+      const text = `${field} ${value}${time}`;
+      const label = this.#plot.labels[index];
+      if (label && label.textContent !== text) label.textContent = text;
     });
+  }
+
+  #typeOf(topic) {
+    return topic === this.#card.topic ? this.#card.type : this.#card.gateway.graph.typeOf(topic);
+  }
+
+  /** Return the value of a curve at a place, or its newest one, with every digit. */
+  #valueOf(index, place) {
+    const column = this.#drawn[index + 1];
+    return place >= 0 ? column[place] : column.filter((each) => each !== undefined).at(-1);
   }
 
   /** Return a time in seconds since the newest values came. */
@@ -122,40 +234,32 @@ export class PlotView {
     return time - this.#drawn[0].at(-1);
   }
 
-  #make(width) {
-    // a plot that goes on has the last 30 s, whatever is chosen
-    const whilePaused = (_plot, _target, handler) => (event) => this.card.isPaused && handler(event);
-    const axis = { stroke: token("quiet"), grid: { stroke: token("line"), width: 1 }, ticks: { stroke: token("line"), width: 1 } };
-    const time = {
-      incrs: STEPS_S,
-      splits: (_plot, _axis, least, most, step) => this.#marks(least, most, step),
-      values: (_plot, marks, _axis, _room, step) => marks.map((each) => `${inSeconds(this.#since(each), step < 0.1 ? 2 : step < 1 ? 1 : 0)} s`),
-    };
-    const series = this.card.fields.map((label, index, { length }) => ({
-      label,
-      stroke: token(COLOURS[index % COLOURS.length]),
-      width: LINE + (length - 1 - index) * EDGE, // of two that are equal, the one behind shows as an edge
-      spanGaps: false,
-      points: { show: false, filter: aloneIn },
-    }));
-    return new Plot({
-      width,
-      height: HEIGHT,
-      cursor: { y: false, drag: { x: true, y: false }, bind: { mousedown: whilePaused, dblclick: whilePaused } },
-      hooks: { setCursor: [() => this.#label()] },
-      scales: { x: { time: false }, y: { range: (_, least, most) => around(least, most) } },
-      axes: [{ ...axis, ...time }, { ...axis, size: 60 }],
-      series: [{}, ...series],
-      legend: { live: false },
-    }, this.#numbers, this.element);
+  #pan() {
+    if (this.#plot) this.#draw(this.#drawnAt - this.#tools.back);
   }
 
-  /** Return round times since the newest values, as places on the axis. */
-  #marks(least, most, step) {
-    const newest = this.#drawn[0].at(-1) ?? most;
-    const first = Math.ceil((least - newest) / step);
-    const count = Math.floor((most - newest) / step) - first + 1;
-    return Array.from({ length: count }, (_, index) => newest + (first + index) * step);
+  /** Begin again with another setting. With another kind of time, what is kept is of no use. */
+  #restart(name) {
+    if (name === "time") {
+      for (const [topic] of this.#samples) this.#samples.set(topic, new Samples(this.#curves.filter((each) => each.topic === topic).length));
+      this.#follow();
+      this.#card.subscribe();
+    }
+    this.#remake();
+    this.hold(this.#card.isPaused);
+  }
+
+  #remake() {
+    this.#plot?.destroy();
+    this.#plot = null;
+    if (this.#samples.get(this.#card.topic)?.length) this.#render();
+  }
+
+  /** Return all that is kept, as CSV. */
+  #csv() {
+    const [times, ...columns] = this.#table(-Infinity, Infinity);
+    const zero = this.#tools.isStamped ? 0 : performance.timeOrigin / 1000;
+    return csv(["time (s)", ...this.#curves.map(({ field }) => field)], [times.map((each) => (each + zero).toFixed(6)), ...columns]);
   }
 }
 
@@ -163,37 +267,4 @@ export class PlotView {
 function drawable(value) {
   if (typeof value === "boolean") return Number(value);
   return typeof value === "bigint" || Number.isFinite(value) ? value : null;
-}
-
-/** Return seconds as text. None is 0, a little before and after. */
-function inSeconds(value, digits) {
-  const text = value.toFixed(digits);
-  return Number(text) === 0 ? "0" : text;
-}
-
-/** Return a value for the place next to a name: short, and as wide as the one before. */
-function written(value) {
-  if (value === null || value === undefined) return "–";
-  return typeof value === "bigint" || Number.isInteger(value) ? String(value) : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6 ? value.toExponential(2) : value.toFixed(3);
-}
-
-/**
- * Return the range of the axis: a tenth more than the values. If they are all the same, or too close for marks between them, it
- * is wider.
- */
-function around(least, most) {
-  if (least === null) return [-1, 1];
-  const size = Math.max(Math.abs(least), Math.abs(most));
-  const margin = least === most ? size || 1 : Math.max((most - least) / 10, size * LEAST_SHARE);
-  return [Math.max(least - margin, -LARGEST), Math.min(most + margin, LARGEST)];
-}
-
-/** Return where a curve has values without a neighbour, which no line shows, or null. */
-function aloneIn(plot, index) {
-  const values = plot.data[index];
-  const found = [];
-  values.forEach((value, at) => {
-    if (value !== null && (values[at - 1] ?? null) === null && (values[at + 1] ?? null) === null) found.push(at);
-  });
-  return found.length ? found : null;
 }

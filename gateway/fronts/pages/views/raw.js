@@ -6,6 +6,8 @@ const MOST = 20_000; // characters. The rest of a point cloud helps nobody
 
 /** The newest frame as wscat would show it: a text as it came, every digit of it. CBOR, which wscat cannot show, as JSON. */
 export class RawView {
+  static title = "Frames";
+
   options = { throttle_rate: 50 };
   element = element("pre", { className: "raw", tabIndex: 0 });
 

@@ -5,6 +5,9 @@ const HERE = { x: 0, y: 0, yaw: 0 };
 
 /** A laser scan from above: forward, the x of its frame, is up. */
 export class ScanView {
+  static title = "Scan";
+  static types = ["sensor_msgs/msg/LaserScan"];
+
   options = { compression: "cbor", throttle_rate: 50 };
   #plan;
 

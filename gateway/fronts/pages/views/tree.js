@@ -9,6 +9,8 @@ const LARGE_BYTES = 100_000; // of a message: more is fetched on demand, as only
 
 /** All fields of a message with their values. A number can be plotted. Of a large message, arrays come on demand. */
 export class TreeView {
+  static title = "Fields";
+
   options = { throttle_rate: 200 };
   element = element("div", { className: "tree" });
   #card;

@@ -1,53 +1,86 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which views there are, and which fits a type best.
+// Which views there are, and which fits a type best. To add one, see docs/contributing/adding-a-view.md.
 
 import { BatteryView } from "./battery.js";
+import { DiagnosticsView } from "./diagnostics.js";
+import { FixView } from "./fix.js";
+import { FramesView } from "./frames.js";
+import { GaugeView } from "./gauge.js";
 import { ImageView } from "./image.js";
+import { ImuView } from "./imu.js";
+import { JointsView } from "./joints.js";
+import { JoyView } from "./joy.js";
+import { LampView } from "./lamp.js";
 import { LogView } from "./log.js";
 import { MapView } from "./map.js";
 import { PlotView } from "./plot.js";
+import { PosesView } from "./poses.js";
+import { RangeView } from "./range.js";
 import { RawView } from "./raw.js";
 import { ScanView } from "./scan.js";
 import { TrailView } from "./trail.js";
 import { TreeView } from "./tree.js";
-
-const POSES = ["nav_msgs/msg/Odometry", "nav_msgs/msg/Path", "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/PoseWithCovarianceStamped"];
+import { ValueView } from "./value.js";
+import { WorldView } from "./world.js";
 
 /**
- * A way to show the messages of one topic. `element` is what is seen, `options` are members of
+ * A way to show the messages of one topic.
+ *
+ * `element` is what is seen, `options` are members of
  * `subscribe`. `show` gets the newest message before the next frame of the screen, `keep` every one.
  * `rest` is the least number of milliseconds between two calls of `show`.
+ *
+ * `hold` is called when the card stands still, and when it goes on.
  * `draw` is called before each frame of the screen, `close` at the end.
+ * Its class has a `title` for people, and the `types` that it shows best: all, if it names none. `isForAll`: it also shows others.
+ *
+ * The keys stand in addresses that people keep. The first view of a type is what it opens in.
  */
 const VIEWS = {
-  image: { name: "Image", make: ImageView, types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"] },
-  scan: { name: "Scan", make: ScanView, types: ["sensor_msgs/msg/LaserScan"] },
-  map: { name: "Map", make: MapView, types: ["nav_msgs/msg/OccupancyGrid"] },
-  battery: { name: "Battery", make: BatteryView, types: ["sensor_msgs/msg/BatteryState"] },
-  log: { name: "Log", make: LogView, types: ["rcl_interfaces/msg/Log"] },
-  trail: { name: "Trail", make: TrailView, types: POSES },
-  tree: { name: "Fields", make: TreeView },
-  plot: { name: "Plot", make: PlotView },
-  raw: { name: "Frames", make: RawView },
+  image: ImageView,
+  scan: ScanView,
+  map: MapView,
+  battery: BatteryView,
+  log: LogView,
+  trail: TrailView,
+  diagnostics: DiagnosticsView,
+  imu: ImuView,
+  joints: JointsView,
+  fix: FixView,
+  range: RangeView,
+  joy: JoyView,
+  poses: PosesView,
+  frames: FramesView,
+  lamp: LampView,
+  world: WorldView,
+  tree: TreeView,
+  plot: PlotView,
+  value: ValueView,
+  gauge: GaugeView,
+  raw: RawView,
 };
 
 /** Return the keys of the views that can show a type, the best first. */
 export function viewsFor(type) {
-  return Object.keys(VIEWS).filter((key) => VIEWS[key].types?.includes(type) ?? true);
+  const keys = Object.keys(VIEWS);
+  const best = keys.filter((key) => VIEWS[key].types?.includes(type));
+  return [...best, ...keys.filter((key) => !best.includes(key) && isForAll(VIEWS[key]))];
 }
 
 /** Return why a view cannot show a type, in words, or "". */
 export function misfit(key, type) {
-  const { name, types } = VIEWS[key];
-  if (!type || !types || types.includes(type)) return "";
-  return `The view ${name} shows ${types.map((each) => each.split("/").at(-1)).join(", ")}, not ${type.split("/").at(-1)}: choose another view.`;
+  const { title, types } = VIEWS[key];
+  if (!type || isForAll(VIEWS[key]) || types.includes(type)) return "";
+  return `The view ${title} shows ${types.map((each) => each.split("/").at(-1)).join(", ")}, not ${type.split("/").at(-1)}: choose another view.`;
 }
 
 /** Return the name of a view, as people read it. */
-export const nameOf = (key) => VIEWS[key].name;
+export const nameOf = (key) => VIEWS[key].title;
 
 /** Return whether there is a view of this key. An old address may have others. */
 export const isView = (key) => Object.hasOwn(VIEWS, key);
 
 /** Make a view of a card. */
-export const makeView = (key, card) => new VIEWS[key].make(card);
+export const makeView = (key, card) => new VIEWS[key](card);
+
+const isForAll = ({ types, isForAll: also = false }) => also || !types;

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 import { breakable, element } from "../../shared/dom.js";
+import { say } from "../../shared/language.js";
+import { menu } from "../../shared/menu.js";
+import { movable } from "../moving.js";
+import { resizable, resize } from "../resizing.js";
 
 /**
  * The content of a card, as the address of the page keeps it. It is a name of the ROS graph in a view, at a rate. A plot also has its fields,
- * and a topic with several types the chosen one.
- * @typedef {{topic: string, view: string, fields: string[], rate: number, chosenType?: string}} Shown
+ * and a topic with several types the chosen one. A view has its settings by name, and keeps only those that differ from the usual.
+ * A card that was resized has its size, in twelfths of the width and in rows.
+ * @typedef {{topic: string, view: string, fields: string[], rate: number, chosenType?: string, settings?: Object<string, string>, wide?: number, tall?: number}} Shown
  */
 
 /**
- * The requests of a card to the page.
- * @typedef {{changed: () => void, close: (card: Card) => void, open: (name: string, view?: string, fields?: string[]) => void, grown: (card: Card) => void}} Actions
+ * The requests of a card to the page. `move` gives the card another place: before another card, or by so many places.
+ * @typedef {{changed: () => void, close: (card: Card) => void, open: (name: string, view?: string, fields?: string[]) => void, grown: (card: Card) => void,
+ *   move: (card: Card, where: number|{before: Element|null}) => void, maximise: (card: Card) => void, tabs: (card: Card) => import("../../shared/menu.js").Entry[]}} Actions
  */
 
 /** The frame of everything that lies on the page: a title with controls, what is wrong, a body and a footer. */
@@ -19,10 +25,16 @@ export class Card {
   /** @type {string[]} */ fields;
   /** @type {number} */ rate;
   /** @type {string} */ chosenType = "";
+  /** @type {Object<string, string>} */ settings = {};
+  /** Twelfths of the width. 0: as the style has it. */ wide = 0;
+  /** Rows. 0: as the style has it. */ tall = 0;
   body = element("div", { className: "body" });
   footer = element("footer");
   /** Whether it is on the screen: nobody needs to draw the others. */
   isSeen = false;
+  /** Whether it fills the page, below the bar with STOP. */
+  isFull = false;
+  #fullTakes = new Set();
   #type = element("small", { className: "type" });
   #observer = new IntersectionObserver((entries) => (this.isSeen = entries.at(-1).isIntersecting));
   problem = element("p", { className: "problem", hidden: true, role: "status" });
@@ -39,19 +51,90 @@ export class Card {
     this.actions = actions;
     Object.assign(this, shown);
     this.controls = element("div", { className: "controls" });
-    const close = element("button", { type: "button", aria: { label: `close ${label}` } }, "✕");
+    const close = element("button", { type: "button", className: "ghost", aria: { label: `close ${label}` } }, "✕");
     close.onclick = () => actions.close(this);
-    const header = element("header", {}, element("h3", {}, breakable(title)), this.controls, close, this.#type);
+    const more = menu(say("card.more", { label }), () => [...this.entries(), ...this.#places()]);
+    const corner = element("span", { className: "corner" }, more, close);
+    const header = element("header", {}, element("h3", {}, breakable(title)), this.controls, corner, this.#type);
+    header.ondblclick = ({ target }) => target.closest("button, select, label, input") || actions.maximise(this);
     this.writeType(type);
-    this.element = element("article", { className: "card", tabIndex: -1, aria: { label } }, header, this.problem, this.body, this.footer);
+    const grip = resizable(this, say("card.resize", { label }));
+    this.element = element("article", { className: "card", tabIndex: -1, aria: { label } }, header, this.problem, this.body, this.footer, grip);
+    this.element.addEventListener("keydown", (event) => this.#press(event));
+    movable(this.element, header, (before) => actions.move(this, { before }));
+    resize(this, this.wide, this.tall);
     this.#observer.observe(this.element);
   }
 
   /** The part of it that the address of the page keeps. */
   get shown() {
-    const { topic, view, fields, rate, chosenType } = this;
-    return { topic, view, fields, rate, chosenType };
+    const { topic, view, fields, rate, chosenType, settings, wide, tall } = this;
+    return { topic, view, fields, rate, chosenType, settings, wide, tall };
   }
+
+  /** Return rare actions, for its menu. @returns {import("../../shared/menu.js").Entry[]} */
+  entries() {
+    return [];
+  }
+
+  /** Return the entries about its place. */
+  #places() {
+    const isWhole = this.element.classList.contains("whole");
+    return [
+      { label: isWhole ? say("card.restore") : say("card.maximise"), key: "m", act: () => this.actions.maximise(this) },
+      { label: say("card.earlier"), key: "[", act: () => this.actions.move(this, -1) },
+      { label: say("card.later"), key: "]", act: () => this.actions.move(this, 1) },
+      { label: say("card.usual"), act: () => this.#resize(0, 0), isOff: !this.wide && !this.tall },
+      ...this.actions.tabs(this),
+    ];
+  }
+
+  #resize(wide, tall) {
+    resize(this, wide, tall);
+    this.actions.changed();
+  }
+
+  #press(event) {
+    const { key, target, defaultPrevented } = event;
+    if (defaultPrevented || event.ctrlKey || event.altKey || event.metaKey || target.matches("input, select, textarea, [role=application], [role^=menu]")) return;
+    if (key === "m") this.actions.maximise(this);
+    else if (key === "[" || key === "]") this.actions.move(this, key === "[" ? -1 : 1);
+  }
+
+  /** Keep a setting of the view in the address. The usual value leaves it out. */
+  keep(name, value, usual = "") {
+    const { [name]: _, ...others } = this.settings;
+    this.settings = String(value) === String(usual) ? others : { ...others, [name]: String(value) };
+    this.actions.changed();
+  }
+
+  /** Fill the page below its bar, so that STOP stays in reach, and the whole screen where the browser can. Or end that. */
+  setFull(isFull) {
+    if (isFull === this.isFull) return;
+    this.isFull = isFull;
+    this.element.classList.toggle("full", isFull);
+    document.documentElement.classList.toggle("filled", isFull);
+    for (const each of document.querySelectorAll("main > nav, .card")) if (each !== this.element) /** @type {any} */ (each).inert = isFull; // it cannot be seen
+    if (isFull) {
+      document.documentElement.requestFullscreen?.().catch(() => {}); // a phone may have none: the page is filled all the same
+      addEventListener("fullscreenchange", this.#leave);
+      addEventListener("keydown", this.#escape);
+    } else {
+      removeEventListener("fullscreenchange", this.#leave);
+      removeEventListener("keydown", this.#escape);
+      if (document.fullscreenElement) document.exitFullscreen();
+    }
+    for (const take of this.#fullTakes) take(isFull);
+  }
+
+  /** Hear when it fills the page, and when not any more, until the function that this returns is called. @param {(isFull: boolean) => void} take */
+  onFull(take) {
+    this.#fullTakes.add(take);
+    return () => this.#fullTakes.delete(take);
+  }
+
+  #leave = () => document.fullscreenElement || this.setFull(false);
+  #escape = ({ key }) => key === "Escape" && this.setFull(false);
 
   /** Write below the title which type is shown, if any is known. */
   writeType(type) {
@@ -80,7 +163,14 @@ export class Card {
   /** Write what changes with time. Called once a second. */
   tick() {}
 
+  /** Ask for nothing, because another tab is shown. */
+  rest() {}
+
+  /** Go on, because its tab is shown again. */
+  wake() {}
+
   close() {
+    this.setFull(false);
     this.#observer.disconnect();
     this.element.remove();
   }

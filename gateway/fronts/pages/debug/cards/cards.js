@@ -8,10 +8,12 @@ import { DriveCard } from "./drive_card.js";
 import { GoalCard } from "./goal_card.js";
 import { GraphCard } from "./graph_card.js";
 import { NodeCard } from "./node_card.js";
+import { ParametersCard } from "./parameters_card.js";
 import { PublishCard } from "./publish_card.js";
+import { SceneCard } from "./scene_card.js";
 import { TopicCard } from "./topic_card.js";
 
-const KINDS = { drive: DriveCard, publish: PublishCard, call: CallCard, goal: GoalCard, node: NodeCard, graph: GraphCard, connection: ConnectionCard };
+const KINDS = { drive: DriveCard, publish: PublishCard, call: CallCard, goal: GoalCard, node: NodeCard, parameters: ParametersCard, graph: GraphCard, scene: SceneCard, connection: ConnectionCard };
 
 /** Return whether there is a card for a view. An old address may have others. */
 export const isKnown = (view) => Object.hasOwn(KINDS, view) || isView(view);

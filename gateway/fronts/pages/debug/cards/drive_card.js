@@ -37,6 +37,10 @@ export class DriveCard extends Card {
     this.#write();
   }
 
+  rest() {
+    this.#held.letGo();
+  }
+
   close() {
     this.#held.end();
     for (const forget of this.#forgets) forget();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, span } from "../../shared/dom.js";
+import { isRefusal, sendGoal } from "../../shared/goal.js";
 import { json } from "../../shared/json.js";
 import { isHeld } from "../../shared/stop_held.js";
 import { Form } from "../forms/form.js";
@@ -7,18 +8,19 @@ import { FormCard, NOT_CONNECTED } from "./form_card.js";
 
 const STATUS = { 4: "succeeded", 5: "canceled", 6: "aborted" }; // of action_msgs/msg/GoalStatus
 
-/** A form that sends a goal to an action, its feedback and its result. Closing it cancels the goal. */
+/** A form that sends a goal to an action, its feedback and its result. STOP and closing it cancel the goal. */
 export class GoalCard extends FormCard {
   #cancel = element("button", { type: "button", disabled: true }, "Cancel");
   #feedback = element("pre", { className: "raw", role: "group", aria: { live: "off", label: "feedback" } });
   #result = element("pre", { className: "raw", role: "status", aria: { label: "result" } });
-  #goal = null; // the listener to the goal that is on its way
+  /** The one on its way. @type {import("../../shared/goal.js").Goal|null} */
+  #goal = null;
   #beganMs = 0;
   #ignore = () => {};
 
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { verb: "Send goal", title: `Goal of ${shown.topic}`, typeOf: () => gateway.graph.actions.get(shown.topic)?.types[0] ?? "" });
-    this.#cancel.onclick = () => this.#askToCancel();
+    this.#cancel.onclick = () => this.#goal?.cancel();
     this.buttons.append(this.#cancel);
     this.body.append(this.#feedback, this.#result);
     this.#ignore = gateway.on("state", () => this.#end("the connection was lost, so the gateway cancels the goal"));
@@ -34,10 +36,9 @@ export class GoalCard extends FormCard {
     const args = this.form.json();
     this.tell("");
     this.#feedback.textContent = this.#result.textContent = "";
-    this.#goal = this.gateway.listen((frame) => this.#heard(frame));
-    const request = { op: "send_action_goal", id: this.#goal.id, action: this.topic, action_type: this.type, feedback: true, nonfinite: "string" };
-    if (!this.gateway.send(request, { args })) {
-      this.#end(NOT_CONNECTED);
+    this.#goal = sendGoal(this.gateway, { action: this.topic, action_type: this.type, nonfinite: "string" }, { args }, (frame) => this.#heard(frame));
+    if (!this.#goal) {
+      this.tell(NOT_CONNECTED);
       return;
     }
     this.#beganMs = performance.now();
@@ -46,18 +47,16 @@ export class GoalCard extends FormCard {
   }
 
   close() {
-    if (this.#goal) this.#askToCancel();
+    this.#goal?.cancel();
     this.#goal?.end();
     this.#ignore();
     super.close();
   }
 
-  #askToCancel() {
-    this.gateway.send({ op: "cancel_action_goal", id: this.#goal.id, action: this.topic });
-  }
-
-  #heard({ op, values, status, result, msg }) {
+  #heard(frame) {
+    const { op, values, status, result, msg } = frame;
     if (op === "action_feedback") write(this.#feedback, json(values, 2));
+    else if (isRefusal(frame)) this.#end(msg);
     else if (op === "status") this.tell(msg);
     else if (op === "action_result") {
       write(this.#result, result ? json(values, 2) : "");

@@ -57,6 +57,10 @@ export class PublishCard extends FormCard {
     this.#write();
   }
 
+  rest() {
+    this.#end("Another tab was shown");
+  }
+
   close() {
     this.#stop();
     this.#listener.end();

@@ -24,6 +24,7 @@ export class TopicCard extends Card {
   #visible = null; // the same of what the view shows, which may be older
   #isPaused = false;
   #isDirty = false;
+  #isResting = false; // its tab is not shown
   #shownBeat = -1; // of the `rest` of its view
   #arrivals = new Arrivals();
   #views = element("select", { title: "how it is shown" });
@@ -40,6 +41,9 @@ export class TopicCard extends Card {
     super(gateway, shown, actions, { type });
     this.#type = type;
     this.#forgets = [gateway.on("graph", () => this.#learn()), gateway.on("state", ({ state }) => state === "open" && this.#forgive())];
+    const repaint = () => this.#start(); // a canvas keeps the colours that it was painted in
+    addEventListener("themechange", repaint);
+    this.#forgets.push(() => removeEventListener("themechange", repaint));
     this.controls.append(...this.#controls());
     this.footer.textContent = this.#arrivals.words;
     this.#start();
@@ -101,11 +105,27 @@ export class TopicCard extends Card {
     this.#write();
   }
 
+  rest() {
+    this.#isResting = true;
+    this.#unsubscribe();
+    this.#unsubscribe = () => {};
+  }
+
+  wake() {
+    this.#isResting = false;
+    if (!misfit(this.view, this.#type)) this.subscribe();
+  }
+
   close() {
     for (const forget of this.#forgets) forget();
     this.#unsubscribe();
     this.#view.close?.();
     super.close();
+  }
+
+  /** The type of its messages, or "" while it is unknown. */
+  get type() {
+    return this.#type;
   }
 
   /** Whether what it shows stands still. */
@@ -152,7 +172,7 @@ export class TopicCard extends Card {
     this.#offerTypes();
     const type = this.chosenType || this.gateway.graph.typeOf(this.topic);
     if (!type || type === this.#type) return;
-    const isOver = misfit(this.view, this.#type); // its words from before
+    const isOver = misfit(this.view, this.#type) || this.#view.isUnsure; // its words from before, or its question
     this.#type = type;
     this.writeType(type);
     this.#offer();
@@ -180,7 +200,7 @@ export class TopicCard extends Card {
 
   #controls() {
     this.#views.setAttribute("aria-label", `view of ${this.topic}`);
-    this.#views.onchange = () => this.#restart({ view: this.#views.value });
+    this.#views.onchange = () => this.#restart({ view: this.#views.value, settings: {} });
     this.#offer();
     const rates = element("select", { title: "at most this many messages per second", aria: { label: `rate of ${this.topic}` } });
     for (const hz of RATES_HZ) rates.append(new Option(hz ? `${hz} Hz` : "all", String(hz), false, hz === this.rate));
@@ -188,6 +208,7 @@ export class TopicCard extends Card {
     const pause = element("button", { type: "button", aria: { label: `Pause ${this.topic}` } }, "Pause");
     pause.onclick = () => {
       this.#isPaused = !this.#isPaused;
+      this.#view.hold?.(this.#isPaused);
       pause.textContent = this.#isPaused ? "Resume" : "Pause";
       pause.setAttribute("aria-label", `${pause.textContent} ${this.topic}`);
       this.#write();
@@ -242,6 +263,7 @@ export class TopicCard extends Card {
   }
 
   #start() {
+    this.setFull(false); // the next view has another button for that
     this.#unsubscribe();
     this.#unsubscribe = () => {};
     this.#view?.close?.();
@@ -256,6 +278,7 @@ export class TopicCard extends Card {
 
   /** Subscribe as the view asks for it now. */
   subscribe() {
+    if (this.#isResting) return;
     const { throttle_rate: least = 0, ...options } = this.#view.options;
     const throttle = Math.max(least, this.rate ? Math.round(1000 / this.rate) : 0);
     const endBefore = this.#unsubscribe;

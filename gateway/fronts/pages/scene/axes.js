@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+import { AxesHelper } from "../vendor/three.js";
+import { Display, dispose } from "./display.js";
+import { label } from "./label.js";
+
+const MOST_FRAMES = 200; // further ones are not drawn
+
+/** The axes of all frames that `/tf` and `/tf_static` name: x red, y green, z blue. */
+export class AxesDisplay extends Display {
+  #axes = new Map(); // frame -> its axes
+
+  open() {} // the scene knows the frames
+
+  tick() {
+    for (const frame of this.context.frames.names) {
+      if (this.#axes.has(frame) || this.#axes.size >= MOST_FRAMES) continue;
+      const axes = new AxesHelper(this.look.size);
+      axes.add(label(frame, this.look.size / 3));
+      this.context.frames.hold(frame).add(axes);
+      this.#axes.set(frame, axes);
+      this.context.changed();
+    }
+  }
+
+  restyle() {
+    this.#clear();
+    this.tick();
+  }
+
+  close() {
+    this.#clear();
+    super.close();
+  }
+
+  #clear() {
+    for (const [frame, axes] of this.#axes) {
+      dispose(axes);
+      axes.removeFromParent();
+      this.context.frames.release(frame);
+    }
+    this.#axes.clear();
+  }
+}

@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene: what ROS says of the world, in one picture that can be turned. Any page may have some.
+
+import { Color, DirectionalLight, GridHelper, HemisphereLight, Quaternion, Scene, Vector3, WebGLRenderer } from "../vendor/three.js";
+import { element, token } from "../shared/dom.js";
+import { dispose } from "./display.js";
+import { Frames } from "./frames.js";
+import * as texts from "./kept.js";
+import { Layers } from "./layers.js";
+import { Navigation, pickedRobot } from "./navigation.js";
+import { GoalLine, POSE_TOOLS, Tools } from "./navigation_bar.js";
+import { Measure, poseArrow } from "./pointers.js";
+import { PoseDrag } from "./pose_drag.js";
+import { RobotDisplay } from "./robot.js";
+import { View3d } from "./view3d.js";
+
+const TOOLS = {
+  ...POSE_TOOLS,
+  measure: { name: "Measure", hint: "Click two places to measure their distance. With the keyboard: Enter at the middle of the view." },
+  pick: { name: "Pick", hint: "Click a place to read its coordinates. With the keyboard: Enter at the middle of the view." },
+};
+const KEYS = "Drag to turn, right button or two fingers to move, wheel or pinch to zoom. Keys: arrows, Shift and arrows, +, -.";
+const FLOOR_M = 20;
+const BASES = ["base_footprint", "base_link"];
+const FLAT = { x: 0, y: 0, z: 0 };
+
+/** A scene in an element. Call `draw` before each frame of the screen, `tick` some times a second, and `close` at its end. */
+export class SceneView {
+  navigation;
+  frames;
+  layers;
+  world = new Scene();
+  /** @type {any} */ renderer = null;
+  #gateway;
+  #changed;
+  #kept;
+  #canvas = element("canvas", { tabIndex: 0, role: "application", aria: { label: `scene. ${KEYS}` } });
+  #fixed = element("select", { title: "the frame that stands still", aria: { label: "fixed frame" } });
+  #follow = element("button", { type: "button", title: "keep the robot in the middle" }, "Follow");
+  #top = element("button", { type: "button", title: "look from above" }, "Top");
+  #missing = element("p", { className: "missing", role: "status", hidden: true });
+  #tools = new Tools(TOOLS, () => this.#choose());
+  #goalLine;
+  #view;
+  #drag;
+  #measure = new Measure();
+  #arrows = { go: poseArrow("go"), place: poseArrow("place") };
+  #floor = null;
+  #isDirty = true;
+  #before = null; // the place of the followed robot
+  #ends = new AbortController();
+  #sizes;
+  #looks;
+  #forget;
+
+  /**
+   * @param {import("../shared/gateway.js").Gateway} gateway
+   * @param {string[]} kept texts of the scene as it was
+   * @param {() => void} changed is called when a user has changed something that is kept
+   */
+  constructor(gateway, kept, changed) {
+    this.#gateway = gateway;
+    this.#changed = changed;
+    this.#kept = texts.read(kept);
+    this.frames = new Frames(gateway);
+    this.navigation = new Navigation(gateway, () => this.#dirty(), () => [pickedRobot(), this.#base]);
+    this.#goalLine = new GoalLine(this.navigation);
+    this.#view = new View3d(this.#canvas, () => this.#dirty());
+    this.#drag = new PoseDrag(() => ({ yaw: this.#heading, frame: this.frames.fixed }), () => this.#dirty(), (pose) => this.#given(pose));
+    this.layers = new Layers({ gateway, frames: this.frames, changed: () => this.#dirty() }, this.#kept.layers, changed);
+    this.element = this.#build();
+    this.#light();
+    this.#begin();
+    this.#listen();
+    this.#sizes = new ResizeObserver(() => this.#resize());
+    this.#sizes.observe(this.#canvas);
+    this.#looks = new MutationObserver(() => this.#paint());
+    this.#looks.observe(document.documentElement, { attributes: true });
+    document.addEventListener("fullscreenchange", () => document.fullscreenElement ?? this.#fill(false), { signal: this.#ends.signal });
+    matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => this.#paint(), { signal: this.#ends.signal });
+    this.#forget = gateway.on("graph", () => this.layers.learn());
+    this.layers.learn();
+    this.#view.top(this.#kept.isTop);
+    this.#press();
+  }
+
+  /** The scene as texts without spaces. */
+  get kept() {
+    return texts.write({ frame: this.#kept.frame, isTop: this.#view.isTop, follows: this.#kept.follows, layers: this.layers.kept });
+  }
+
+  /** Draw it if anything has changed. */
+  draw() {
+    if (this.frames.step()) this.#isDirty = true;
+    if (!this.#isDirty) return;
+    this.#isDirty = false;
+    this.#followRobot();
+    this.#point();
+    this.renderer?.render(this.world, this.#view.camera);
+  }
+
+  /** Write what changes with time. */
+  tick() {
+    this.layers.tick();
+    this.#offerFrames();
+    const missing = [this.frames.problem, this.frames.missing].filter(Boolean).join(" ");
+    if (this.#missing.textContent !== missing) this.#missing.textContent = missing; // it is read out
+    this.#missing.hidden = !missing;
+    this.#goalLine.write(this.#words);
+  }
+
+  close() {
+    this.#ends.abort();
+    this.#sizes.disconnect();
+    this.#looks.disconnect();
+    this.#forget();
+    this.navigation.close();
+    this.layers.close();
+    this.frames.close();
+    this.#view.close();
+    dispose(this.world);
+    this.renderer?.dispose();
+    this.renderer?.forceContextLoss(); // a browser has only some contexts
+    this.element.remove();
+  }
+
+  #dirty() {
+    this.#isDirty = true;
+  }
+
+  #build() {
+    const home = element("button", { type: "button", title: "look at the robot from behind" }, "Home");
+    home.onclick = () => this.#goHome();
+    this.#top.onclick = () => {
+      this.#view.top(!this.#view.isTop);
+      this.#press();
+      this.#changed();
+    };
+    this.#follow.onclick = () => {
+      this.#kept.follows = !this.#kept.follows;
+      if (this.#kept.follows) this.#goHome();
+      this.#press();
+      this.#changed();
+    };
+    const list = element("button", { type: "button", title: "what is shown", aria: { expanded: "true" } }, "Layers");
+    list.onclick = () => {
+      this.layers.element.hidden = !this.layers.element.hidden;
+      list.setAttribute("aria-expanded", String(!this.layers.element.hidden));
+    };
+    const full = element("button", { type: "button", title: "fill the screen. Escape leaves it" }, "Full screen");
+    full.onclick = () => this.#fill(!this.element.classList.contains("full"));
+    this.#fixed.onchange = () => {
+      this.#kept.frame = this.#fixed.value;
+      this.#fix();
+      this.#changed();
+    };
+    const bar = element("div", { className: "scene-bar" }, element("label", {}, "Frame ", this.#fixed), home, this.#top, this.#follow, this.#tools.element, list, full);
+    const drawn = element("div", { className: "drawn" }, this.#canvas, this.#missing);
+    return element("div", { className: "scene" }, bar, drawn, this.layers.element, this.#goalLine.element);
+  }
+
+  /** Fill the screen below the bar of the page, which has STOP, or no longer. */
+  async #fill(isFull) {
+    this.element.classList.toggle("full", isFull);
+    try {
+      if (isFull) await document.documentElement.requestFullscreen();
+      else if (document.fullscreenElement) await document.exitFullscreen();
+    } catch {
+      // a browser that has no full screen: it fills the window
+    }
+  }
+
+  #press() {
+    this.#top.setAttribute("aria-pressed", String(this.#view.isTop));
+    this.#follow.setAttribute("aria-pressed", String(this.#kept.follows));
+  }
+
+  #light() {
+    const sun = new DirectionalLight(0xffffff, 1.5);
+    sun.position.set(-2, -3, 6);
+    this.world.add(new HemisphereLight(0xffffff, 0x667788, 1.8), sun, this.frames.root, this.#measure.object, ...Object.values(this.#arrows));
+    this.#paint();
+  }
+
+  /** Take the colours of the page. */
+  #paint() {
+    this.world.background = new Color(token("surface"));
+    if (this.#floor) dispose(this.#floor);
+    this.#floor?.removeFromParent();
+    this.#floor = new GridHelper(FLOOR_M, FLOOR_M, token("edge"), token("line"));
+    this.#floor.rotation.x = Math.PI / 2; // z is up
+    this.#floor.position.z = -0.01;
+    this.world.add(this.#floor);
+    for (const each of this.layers.displays) each.restyle();
+    this.#dirty();
+  }
+
+  #begin() {
+    try {
+      this.renderer = new WebGLRenderer({ canvas: this.#canvas, antialias: devicePixelRatio < 2 });
+      this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    } catch (error) {
+      this.#canvas.replaceWith(element("p", {}, `This browser cannot draw with WebGL: ${error.message}. Switch on hardware acceleration.`));
+    }
+  }
+
+  #resize() {
+    const { clientWidth: width, clientHeight: height } = this.#canvas;
+    if (!width || !height) return;
+    this.renderer?.setSize(width, height, false);
+    this.#view.resize(width, height);
+    this.#dirty();
+  }
+
+  #listen() {
+    const { signal } = this.#ends;
+    const canvas = this.#canvas;
+    canvas.addEventListener("pointerdown", (event) => {
+      if (!this.#tools.tool || event.button !== 0 || !event.isPrimary) return;
+      this.#down(event);
+    }, { signal });
+    canvas.addEventListener("pointermove", (event) => {
+      const floor = this.#drag.pose && event.isPrimary && this.#view.floor(event);
+      if (floor) this.#drag.move(floor);
+    }, { signal });
+    canvas.addEventListener("pointerup", ({ isPrimary }) => isPrimary && this.#drag.up(), { signal });
+    canvas.addEventListener("pointercancel", () => this.#drag.drop(), { signal });
+    canvas.addEventListener("keydown", (event) => this.#key(event), { signal });
+    this.#drag.watch(this.#gateway, canvas, signal);
+  }
+
+  #key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const { tool } = this.#tools;
+    const isPose = tool in POSE_TOOLS;
+    let isTaken = isPose && this.#drag.key(event, () => this.#view.floor());
+    if (!isTaken && tool && !isPose && event.key === "Enter") isTaken = this.#mark(this.#view.pick(this.frames.root));
+    if (!isTaken && tool && event.key === "Escape") {
+      this.#tools.choose("");
+      isTaken = true;
+    }
+    if (isTaken || this.#view.key(event)) event.preventDefault();
+  }
+
+  #down(event) {
+    if (!(this.#tools.tool in POSE_TOOLS)) {
+      this.#mark(this.#view.pick(this.frames.root, event));
+      return;
+    }
+    const floor = this.#view.floor(event);
+    if (!floor) return;
+    this.#canvas.setPointerCapture(event.pointerId);
+    this.#drag.down(floor);
+  }
+
+  #mark(place) {
+    if (place) this.#measure.add(place, this.#tools.tool === "measure" ? 2 : 1);
+    this.#dirty();
+    this.#goalLine.write(this.#words);
+    return true;
+  }
+
+  #choose() {
+    const { tool } = this.#tools;
+    this.#drag.drop();
+    this.#measure.clear();
+    this.#view.looksAround(!tool);
+    if (tool in POSE_TOOLS) this.navigation.prepare(tool === "place");
+    this.#dirty();
+    this.tick();
+    if (tool) this.#canvas.focus({ preventScroll: true });
+  }
+
+  #given(pose) {
+    const { tool } = this.#tools;
+    this.#tools.choose("");
+    if (tool === "go") this.navigation.go(pose, pose.frame);
+    else this.navigation.place(pose, pose.frame);
+    this.#goalLine.write(this.#words);
+  }
+
+  get #words() {
+    return this.#measure.words || this.navigation.wordsOf(this.#tools);
+  }
+
+  /** Show the pose that is being given, or else the goal. */
+  #point() {
+    const { pose } = this.#drag;
+    const { tool } = this.#tools;
+    const { target } = this.navigation;
+    for (const [kind, arrow] of Object.entries(this.#arrows)) {
+      const about = pose ? tool === kind && pose : kind === "go" && target;
+      const shown = about && about.frame === this.frames.fixed && about;
+      arrow.visible = Boolean(shown);
+      if (!shown) continue;
+      arrow.position.set(shown.x, shown.y, 0.02);
+      arrow.rotation.z = shown.yaw;
+    }
+  }
+
+  /** The frame of the robot, or "". */
+  get #base() {
+    const robot = this.layers.displays.find((each) => each instanceof RobotDisplay);
+    if (robot?.frame) return robot.frame;
+    const { names } = this.frames;
+    return BASES.find((each) => names.has(each)) ?? [...names].find((each) => BASES.includes(each.split("/").at(-1))) ?? "";
+  }
+
+  /** The place and the turn of the robot in the fixed frame, or null. */
+  get robot() {
+    const [place, turn] = [new Vector3(), new Quaternion()];
+    return this.frames.find(this.#base, place, turn) ? { place, turn } : null;
+  }
+
+  get #heading() {
+    const { x, y, z, w } = this.robot?.turn ?? { ...FLAT, w: 1 };
+    return Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+  }
+
+  #followRobot() {
+    if (!this.#kept.follows) {
+      this.#before = null;
+      return;
+    }
+    const place = this.robot?.place;
+    if (!place) return;
+    if (this.#before) this.#view.follow(this.#before, place);
+    else this.#view.home(place);
+    this.#before = place;
+  }
+
+  #goHome() {
+    this.#before = null;
+    this.#view.home(this.robot?.place ?? new Vector3());
+    this.#dirty();
+  }
+
+  /** Offer the frames that there are. The first choice is what shows the most. */
+  #offerFrames() {
+    this.#fix();
+    const names = ["", ...[...this.frames.names].sort()];
+    if (this.#kept.frame && !names.includes(this.#kept.frame)) names.push(this.#kept.frame);
+    const known = [...this.#fixed.options].map(({ value }) => value);
+    if (String(known) === String(names)) return; // a list that is open would close
+    this.#fixed.replaceChildren(...names.map((each) => new Option(each || "automatic", each, false, each === this.#kept.frame)));
+  }
+
+  #fix() {
+    const frame = this.#kept.frame || this.frames.main;
+    if (frame === this.frames.fixed) return;
+    this.frames.fix(frame);
+    this.#before = null;
+    this.#dirty();
+  }
+}

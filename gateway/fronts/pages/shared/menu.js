@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element } from "./dom.js";
+
+/**
+ * An entry of a menu. `isOn` makes it one of several that can be chosen, `key` is a key that does the same. Without `act` it is a heading.
+ * @typedef {{label: string, act?: () => void, isOn?: boolean, key?: string, isOff?: boolean}} Entry
+ */
+
+const MORE = "⋯";
+const EDGE = 4; // pixels between a menu and the edge of the screen
+
+/**
+ * Make a button that opens a menu of rare actions.
+ * @param {string} label of the button and its menu
+ * @param {() => Entry[]} entries the content of the menu. It is called each time that the menu opens
+ * @param {string} [face] the visible text of the button
+ * @returns {HTMLElement} the button with its menu
+ */
+export function menu(label, entries, face = MORE) {
+  const list = element("div", { className: "menu", popover: "auto", role: "menu", tabIndex: -1, aria: { label } });
+  const button = element("button", { type: "button", className: face === MORE ? "ghost more" : "ghost", title: label, aria: { label, haspopup: "menu", expanded: "false" } }, face);
+  let isByPointer = false;
+  button.popoverTargetElement = list;
+  button.addEventListener("click", ({ detail }) => { isByPointer = detail > 0; });
+  list.addEventListener("beforetoggle", ({ newState }) => {
+    button.setAttribute("aria-expanded", String(newState === "open"));
+    if (newState === "open") list.replaceChildren(...entries().map((each) => entry(each, list)));
+  });
+  list.addEventListener("toggle", ({ newState }) => {
+    if (newState === "open") {
+      place(list, button);
+      items(list)[0]?.focus();
+    } else {
+      list.replaceChildren();
+      if (isByPointer && document.activeElement === button) button.blur(); // or the space bar would press it, and not STOP
+    }
+  });
+  list.addEventListener("keydown", (event) => move(event, list));
+  return element("span", { className: "menu-place" }, button, list);
+}
+
+/** @param {Entry} about */
+function entry({ label, act, isOn, key = "", isOff = false }, list) {
+  if (!act) return element("p", { className: "quiet", role: "presentation" }, label);
+  const made = element("button", { type: "button", className: "ghost", role: isOn === undefined ? "menuitem" : "menuitemradio", tabIndex: -1, disabled: isOff }, element("span", {}, label), element("kbd", {}, key));
+  if (isOn !== undefined) made.setAttribute("aria-checked", String(isOn));
+  made.onclick = () => {
+    list.hidePopover();
+    act();
+  };
+  return made;
+}
+
+const items = (list) => [...list.querySelectorAll("button:enabled")];
+
+/** Put an open menu below its button, or above it, where there is room. It stays below the bar: STOP is there. */
+function place(list, button) {
+  const least = (document.querySelector(".bar")?.getBoundingClientRect().bottom ?? 0) + EDGE;
+  const { bottom, right, top } = button.getBoundingClientRect();
+  const { offsetWidth: width, offsetHeight: height } = list;
+  const isBelow = bottom + height + EDGE <= innerHeight || bottom < innerHeight / 2;
+  list.style.left = `${Math.max(EDGE, Math.min(right, innerWidth - EDGE) - width)}px`;
+  list.style.top = `${Math.max(least, isBelow ? Math.min(bottom, innerHeight - height - EDGE) : top - height)}px`;
+}
+
+function move(event, list) {
+  const all = items(list);
+  const at = all.indexOf(document.activeElement);
+  const next = { ArrowDown: all[at + 1] ?? all[0], ArrowUp: all.at(at - 1), Home: all[0], End: all.at(-1) }[event.key];
+  if (event.key === "Tab") list.hidePopover();
+  if (!next) return;
+  event.preventDefault(); // it would scroll
+  next.focus();
+}

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// On a phone the pages are at the bottom of the screen, within a thumb's reach. There the list of topics also has a link.
+
+import { element, find } from "./dom.js";
+import { say } from "./language.js";
+
+const KEY = "ros2-gateway.show"; // of the tab's storage: what the debug page brings into view at first
+const TOPICS = "topics";
+
+/**
+ * Return the link to the list of topics, which only phones show.
+ * @param {string} debug the path of the debug page, which has it
+ * @param {string} here which page this is
+ */
+export function topicsLink(debug, here) {
+  const link = element("a", { className: "of-phone", href: debug }, say("page.topics"));
+  link.onclick = (event) => {
+    if (here !== "debug") return sessionStorage.setItem(KEY, TOPICS);
+    event.preventDefault();
+    show();
+  };
+  return link;
+}
+
+/** Bring into view what was asked for on another page. */
+export function goOn(here) {
+  if (here !== "debug" || sessionStorage.getItem(KEY) !== TOPICS) return;
+  sessionStorage.removeItem(KEY);
+  show();
+}
+
+function show() {
+  find("tab-topics").closest("nav").scrollIntoView();
+  find("tab-topics").focus({ preventScroll: true });
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// The data that a plot keeps: for each topic the times of its messages, and the values of its curves.
+
+const MOST_S = 600; // as long as the longest window
+const MOST_POINTS = 60_000; // of a curve: 100 Hz for 10 min
+const SLACK = 0.1; // it may have so much more, so that not each message moves all of it
+
+/** The newest values of some curves of one topic, in the order of their times. */
+export class Samples {
+  #columns = [[]]; // times in seconds, and the values of each curve. Null is a gap
+
+  /** @param {number} count of curves */
+  constructor(count) {
+    for (let index = 0; index < count; index += 1) this.addColumn();
+  }
+
+  /** How many there are. */
+  get length() {
+    return this.#columns[0].length;
+  }
+
+  /** The time of the first, in seconds. */
+  get oldest() {
+    return this.#columns[0][0];
+  }
+
+  /** The time of the last, in seconds. */
+  get newest() {
+    return this.#columns[0].at(-1);
+  }
+
+  /** Have one more curve, without values so far. */
+  addColumn() {
+    this.#columns.push(this.#columns[0].map(() => null));
+  }
+
+  /** Take the values of a message. If time goes back, as when a recording begins again, the earlier ones are gone. */
+  add(time, values) {
+    if (time < this.newest) for (const each of this.#columns) each.length = 0;
+    this.#columns[0].push(time);
+    values.forEach((value, index) => this.#columns[index + 1].push(value));
+    const late = this.oldest < time - MOST_S * (1 + SLACK) ? this.#at(time - MOST_S) : 0;
+    const excess = this.length > MOST_POINTS * (1 + SLACK) ? this.length - MOST_POINTS : 0;
+    const gone = Math.max(late, excess);
+    if (gone) for (const each of this.#columns) each.splice(0, gone);
+  }
+
+  /** Return times and values from one time to another, with the one before: its line leads into the window. */
+  within(from, to) {
+    const first = Math.max(0, this.#at(from) - 1);
+    const end = this.newest <= to ? this.length : this.#at(to);
+    return this.#columns.map((each) => each.slice(first, end));
+  }
+
+  /** Return the place of the first that is at least as new. */
+  #at(time) {
+    const [times] = this.#columns;
+    let [low, high] = [0, times.length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (times[middle] < time) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+}
+
+/** Return how fast values change, per second. */
+export function changes(times, values) {
+  return values.map((value, at) => {
+    const before = values[at - 1] ?? null;
+    const passed = times[at] - times[at - 1];
+    return value === null || before === null || !(passed > 0) ? null : (Number(value) - Number(before)) / passed;
+  });
+}
+
+/** Return the unit of how fast a value of a unit changes. */
+export function unitOfChange(unit) {
+  if (!unit) return "";
+  return unit.endsWith("/s") ? `${unit}²` : `${unit}/s`;
+}
+
+/** Return pairs: each value with the newest value of the first column at its time. */
+export function pairs(table) {
+  const [, xs, ...others] = table;
+  return others.map((ys) => {
+    const found = [[], []];
+    let x = null;
+    xs.forEach((each, at) => {
+      x = each ?? x;
+      if (x === null || (ys[at] ?? null) === null) return;
+      found[0].push(x);
+      found[1].push(ys[at]);
+    });
+    return found;
+  });
+}
+
+/**
+ * Return a table as CSV.
+ * @param {string[]} names of the columns
+ * @param {any[][]} columns
+ */
+export function csv(names, columns) {
+  const cell = (value) => (value === null || value === undefined ? "" : String(value));
+  const rows = columns[0].map((_, at) => columns.map((each) => cell(each[at])).join(","));
+  return [names.map((each) => `"${each.replaceAll('"', '""')}"`).join(","), ...rows, ""].join("\r\n");
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element } from "../shared/dom.js";
+
+/** A topic in the 3D scene, with all else that the scene shows. The code of the scene comes with the first one. */
+export class WorldView {
+  static title = "3D";
+  static types = ["sensor_msgs/msg/PointCloud2", "visualization_msgs/msg/Marker", "visualization_msgs/msg/MarkerArray", "geometry_msgs/msg/PolygonStamped"];
+  options = { compression: "cbor", fields: [], throttle_rate: 1000 }; // the scene subscribes to what it shows
+  element = element("div", {}, "Loading the scene …");
+  #scene = null;
+  #isClosed = false;
+  #toldMs = 0;
+
+  constructor(card) {
+    this.#load(card);
+  }
+
+  show() {}
+
+  draw() {
+    this.#scene?.draw();
+    const now = performance.now();
+    if (now - this.#toldMs < 1000) return;
+    this.#toldMs = now;
+    this.#scene?.tick();
+  }
+
+  close() {
+    this.#isClosed = true;
+    this.#scene?.close();
+  }
+
+  async #load(card) {
+    try {
+      const { SceneView } = await import("../scene/scene.js");
+      if (this.#isClosed) return;
+      const keep = () => {
+        card.fields = this.#scene.kept;
+        card.actions.changed();
+      };
+      this.#scene = new SceneView(card.gateway, card.fields, keep);
+      this.element.replaceChildren(this.#scene.element);
+    } catch (error) {
+      this.element.textContent = `The scene does not start: ${error.message}. Reload the page.`;
+    }
+  }
+}

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The parts of every page: a menu, a theme, a language, and its keys."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.pages.conftest import page_address
+from tests.pages.test_debug_page import NOTE_SENT, PHONE, until
+
+pytestmark = pytest.mark.asyncio(loop_scope="package")
+
+PAGES = Path(__file__).parents[2] / "gateway/fronts/pages"
+GROUND = "() => getComputedStyle(document.body).backgroundColor"
+LANGUAGES = """async () => {
+    const { LANGUAGES } = await import("/shared/language.js");
+    const files = Object.keys(LANGUAGES).map(async (each) =>
+        [each, (await import(`/words/${each}.js`)).default]);
+    return Object.fromEntries(await Promise.all(files));
+}"""
+# a key in quotes or, put together, in backticks. Other functions of the name `say` get sentences
+WORD = re.compile(
+    r"""\b(?:say|count)\((["`])([a-z](?:[\w.]|\$\{[^}]+\})*)\1|data-say(?:-\w+)?="([^"]+)\""""
+)
+
+
+def used() -> set[str]:
+    """Return the keys of all texts that the pages use. A key that is put together is a pattern."""
+    sources = [each for kind in ("*.js", "*.html") for each in PAGES.rglob(kind)]
+    found = [
+        keys
+        for each in sources
+        if each.parent.name not in {"vendor", "words"}
+        for keys in WORD.findall(each.read_text())
+    ]
+    return {re.sub(r"\\\$\\\{[^}]*\}", ".+", re.escape(one or other)) for _, one, other in found}
+
+
+async def test_all_languages_have_the_same_texts_with_the_same_values_and_all_are_used(evaluate):
+    words = await evaluate(LANGUAGES)
+    assert {each.stem for each in (PAGES / "words").glob("*.js")} == set(words)
+    values = {
+        language: {key: sorted(re.findall(r"\{(\w+)\}", text)) for key, text in texts.items()}
+        for language, texts in words.items()
+    }
+    for each in values.values():
+        assert each == values["en"]
+    patterns = {f"{each}(?:\\.(?:one|other))?" for each in used()}
+    keys = set(words["en"])
+    assert [key for key in keys if not any(re.fullmatch(each, key) for each in patterns)] == []
+    assert [each for each in patterns if not any(re.fullmatch(each, key) for key in keys)] == []
+
+
+@pytest.mark.parametrize("path", ["", "drive", "lab"])
+async def test_a_theme_is_chosen_kept_and_goes_before_that_of_the_system(demo, open_page, path):
+    async with open_page(page_address(demo) + path, color_scheme="dark") as page:
+        await page.wait_for_selector(".bar .more")
+        dark = await page.evaluate(GROUND)
+        await page.evaluate("() => addEventListener('themechange', () => { window.seen = true; })")
+        await page.click(".bar .more")
+        await page.get_by_role("menuitemradio", name="Light").click()
+        light = await page.evaluate(GROUND)
+        assert light != dark
+        assert await page.evaluate("() => window.seen")  # canvases paint again
+        await page.reload()
+        await page.wait_for_selector(".bar .more")
+        assert await page.evaluate(GROUND) == light
+        await page.focus(".bar .more")
+        await page.keyboard.press("Enter")
+        await page.get_by_role("menuitemradio", name="As the system").click()
+        assert await page.evaluate(GROUND) == dark
+        await page.emulate_media(color_scheme="light")
+        await until(page, f"light => ({GROUND})() === light", light)
+
+
+@pytest.mark.parametrize("path", ["", "drive", "lab"])
+async def test_a_page_is_in_the_language_of_the_browser_or_the_chosen_one(
+    demo, open_page, evaluate, path
+):
+    words = (await evaluate(LANGUAGES))["fi"]
+    async with open_page(page_address(demo) + path, PHONE, locale="fi-FI") as page:
+        await until(page, "words => state.textContent === words", words["state.open"])
+        assert await page.evaluate("() => document.documentElement.lang") == "fi"
+        more = page.locator(".bar .more")
+        assert await more.get_attribute("aria-label") == words["menu.more"]
+        await more.click()
+        await page.get_by_role("menuitemradio", name="English").click()
+        await until(page, "() => document.getElementById('state')?.textContent === 'connected'")
+        assert await page.evaluate("() => document.documentElement.lang") == "en"
+
+
+async def test_a_menu_is_used_by_keys_and_these_drive_nothing(demo, open_page):
+    focus = "() => document.activeElement.innerText"
+    async with open_page(page_address(demo) + "drive", script=NOTE_SENT) as page:
+        await until(page, "() => state.textContent === 'connected'")
+        await page.focus(".bar .more")
+        await page.keyboard.press("Enter")
+        assert "Keys" in await page.evaluate(focus)
+        for key, there in (("ArrowDown", "system"), ("End", "Suomi"), ("ArrowUp", "English")):
+            await page.keyboard.press(key)
+            assert there in await page.evaluate(focus)
+        await page.keyboard.press("Home")
+        await page.keyboard.press("Space")
+        await page.wait_for_selector("#keys[open]")
+        commands = [json.loads(each) for each in await page.evaluate("() => sent")]
+        assert [each for each in commands if each["op"] in {"publish", "stop"}] == []
+        await page.keyboard.press("Escape")
+        await page.keyboard.press("?")
+        await page.wait_for_selector("#keys[open]:has-text('Stop the robot')")
+
+
+async def test_the_space_bar_is_for_stop_after_a_menu_was_used_by_the_mouse(demo, open_page):
+    async with open_page(page_address(demo) + "drive", script=NOTE_SENT) as page:
+        await until(page, "() => state.textContent === 'connected'")
+        await page.click(".bar .more")
+        await page.get_by_role("menuitemradio", name="Dark").click()
+        await page.keyboard.press("Space")
+        await until(page, "() => sent.some((each) => JSON.parse(each).op === 'stop')")

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The pages on a phone: the links to them are at the bottom, within a thumb's reach."""
+
+import pytest
+
+from tests.pages.conftest import DESK, page_address
+from tests.pages.test_debug_page import PHONE
+
+pytestmark = pytest.mark.asyncio(loop_scope="package")
+
+PHONES = {"viewport": PHONE, "has_touch": True, "is_mobile": True}
+PLACES = """() => [...document.querySelectorAll(".pages a")].map((each) => {
+    const { left, top, width, height } = each.getBoundingClientRect();
+    return [each.textContent, left, top, width, height];
+})"""
+IN_VIEW = """() => {
+    const { top, bottom } = document.getElementById("tabs").getBoundingClientRect();
+    return top >= 0 && bottom <= innerHeight;
+}"""
+
+
+@pytest.mark.parametrize("path", ["", "drive", "lab"])
+async def test_the_pages_are_at_the_bottom_and_hide_nothing(demo, open_page, path):
+    async with open_page(page_address(demo) + path, **PHONES) as page:
+        await page.wait_for_selector("[data-state=open]")
+        places = await page.evaluate(PLACES)
+        assert [name for name, *_ in places] == ["Debug", "Topics", "Drive", "Lab"]
+        for _, _, top, width, height in places:
+            assert min(width, height) >= 44
+            assert top + height <= PHONE["height"]
+            assert top > PHONE["height"] - 80
+        # cards still grow while they get their first messages
+        hides_nothing = """top => {
+            scrollTo(0, document.body.scrollHeight);
+            return document.querySelector("main").getBoundingClientRect().bottom <= top;
+        }"""
+        await page.wait_for_function(hides_nothing, arg=places[0][2])
+
+
+async def test_topics_are_a_touch_away_from_any_page(demo, open_page):
+    async with open_page(page_address(demo), **PHONES) as page:
+        await page.wait_for_selector("article canvas")  # cards above the list
+        assert not await page.evaluate(IN_VIEW)
+        await page.get_by_role("link", name="Topics").tap()
+        await page.wait_for_function(IN_VIEW)
+        await page.goto(f"{page_address(demo)}drive")
+        await page.get_by_role("link", name="Topics").tap()
+        await page.wait_for_function("() => location.pathname === '/'")
+        await page.wait_for_function(IN_VIEW)
+
+
+async def test_a_desk_has_them_at_the_top(demo, open_page):
+    async with open_page(page_address(demo), viewport=DESK) as page:
+        await page.wait_for_selector("[data-state=open]")
+        assert not await page.is_visible(".of-phone")
+        for name, _, top, _, _ in await page.evaluate(PLACES):
+            assert name == "Topics" or top < 60

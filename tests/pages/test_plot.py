@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The data that a plot keeps, and the ways to look at it."""
+
+import pytest
+
+from tests.client import client
+from tests.pages.conftest import page_address, saved
+from tests.pages.test_debug_page import until
+from tests.pages.test_topic_card import LABEL, plotted
+from tests.pages.test_world_views import COUNT
+
+pytestmark = pytest.mark.asyncio(loop_scope="package")
+
+LABELS = "() => [...document.querySelectorAll('.u-label')].map((each) => each.textContent)"
+
+
+async def point(page, share: float) -> None:
+    """Point at a place of the plot, as a share of its width."""
+    box = await page.locator(".plot .u-over").bounding_box()
+    await page.mouse.move(box["x"] + box["width"] * share, box["y"] + 9)
+
+
+async def test_a_window_of_ten_minutes_has_what_was_kept_before_it_was_chosen(open_card):
+    second = "(value) => { now += 1000; take({ data: value }); drawn(); }"
+    async with open_card("plot", fields=["data"]) as page:
+        await page.evaluate("() => take({ data: 0 })")
+        await plotted(page)
+        await page.evaluate(f"() => Array.from({{ length: 700 }}, (_, n) => n).forEach({second})")
+        await page.get_by_label("window of /x").select_option("10 min")
+        await page.evaluate(f"() => [700].forEach({second})")
+        await point(page, 0.01)
+        await until(page, f"() => /^data 1[56]\\d, 59\\d/.test(({LABEL})())")
+        assert await page.evaluate("() => alone.settings") == {"window": "600"}
+        await page.get_by_label("window of /x").select_option("10 s")
+        await page.evaluate(f"() => [701].forEach({second})")
+        await point(page, 0.02)
+        await until(page, f"() => /^data 69\\d, [89]\\.\\d s ago$/.test(({LABEL})())")
+
+
+async def test_time_is_that_of_the_stamps_if_they_are_chosen(open_card):
+    stamped = """(sec) => {
+        take({ data: sec, header: { stamp: { sec, nanosec: 500_000_000 } } });
+        drawn();
+    }"""
+    async with open_card("plot", fields=["data"]) as page:
+        await page.evaluate("() => take({ data: 1 })")
+        await plotted(page)
+        await page.get_by_label("time of /x").select_option("by stamp")
+        assert await page.evaluate("() => subscriptions.at(-1).fields") == ["data", "header.stamp"]
+        await page.evaluate(f"() => [100, 110, 120].forEach({stamped})")
+        await plotted(page)
+        await point(page, 0.35)
+        await until(page, f"() => ({LABEL})() === 'data 100, 20.0 s ago'")
+        await page.evaluate(f"() => [5, 6].forEach({stamped})")  # time went back
+        await point(page, 0.35)
+        await until(page, f"() => ({LABEL})() === 'data 5, 1.0 s ago'")
+
+
+async def test_a_change_has_the_unit_of_the_change(open_card):
+    speed = "(x) => { take({ linear: { x } }); now += 900; drawn(); }"
+    async with open_card("plot", fields=["linear.x"], type="geometry_msgs/msg/Twist") as page:
+        await page.evaluate("() => take({ linear: { x: 0 } })")
+        await plotted(page)
+        await page.evaluate(f"() => [2, 4, 6].forEach({speed})")
+        assert await page.evaluate(LABEL) == "linear.x 6 m/s"
+        await page.get_by_label("mode of /x").select_option("change per second")
+        await page.evaluate(f"() => [8].forEach({speed})")
+        assert await page.evaluate(LABEL) == "linear.x 2.000 m/s²"
+
+
+async def test_one_number_against_another(open_card):
+    pair = "(n) => { take({ a: Math.cos(n), b: Math.sin(n) }); drawn(); }"
+    async with open_card("plot", fields=["a", "b"], settings={"mode": "xy"}) as page:
+        await page.evaluate("() => take({ a: 1, b: 0 })")
+        await plotted(page)
+        await page.evaluate(f"() => Array.from({{ length: 40 }}, (_, n) => n / 6).forEach({pair})")
+        assert len(await page.evaluate(LABELS)) == 1
+        assert (await page.evaluate(LABEL)).startswith("b 0.")
+        await until(page, f"about => ({COUNT})(about) > 100", ["article canvas", "--series-1"])
+
+
+async def test_a_curve_is_hidden_by_its_name_with_the_keyboard(open_card):
+    async with open_card("plot", fields=["a", "b"]) as page:
+        await page.evaluate("() => { take({ a: 1, b: 5 }); now += 5000; take({ a: 2, b: 6 }); }")
+        await plotted(page)
+        seen = ["article canvas", "--series-1"]
+        await until(page, f"about => {{ drawn(); return ({COUNT})(about) > 20; }}", seen)
+        curve = page.get_by_role("button", name="a 2")
+        await curve.press("Enter")
+        assert await curve.get_attribute("aria-pressed") == "false"
+        await until(page, f"about => ({COUNT})(about) === 0", seen)
+        await page.evaluate("() => { alone.join('c'); take({ a: 3, b: 5, c: 1 }); drawn(); }")
+        await plotted(page)
+        assert await page.evaluate(f"about => ({COUNT})(about)", seen) == 0
+
+
+async def test_a_plot_that_stands_still_goes_back(open_card):
+    second = "(value) => { now += 1000; take({ data: value }); drawn(); }"
+    async with open_card("plot", fields=["data"], settings={"window": "10"}) as page:
+        await page.evaluate("() => take({ data: 0 })")
+        await plotted(page)
+        await page.evaluate(f"() => Array.from({{ length: 100 }}, (_, n) => n).forEach({second})")
+        back = page.get_by_label("seconds back in the plot of /x")
+        assert not await back.is_visible()
+        await page.evaluate("() => press('Pause /x')")
+        await back.press("Home")
+        await point(page, 0.98)
+        await until(page, f"() => /^data [89],/.test(({LABEL})())")
+        await back.press("End")
+        await point(page, 0.98)
+        await until(page, f"() => ({LABEL})().startsWith('data 99,')")
+        await page.evaluate("() => press('Resume /x')")
+        assert not await back.is_visible()
+
+
+async def test_all_that_is_kept_is_saved_as_csv(open_card):
+    async with open_card("plot", fields=["a", "b"]) as page:
+        await page.evaluate("() => take({ a: 1, b: true })")
+        await plotted(page)
+        await page.evaluate("() => { now += 100_000; take({ a: NaN, b: 0.25 }); }")
+        button = page.get_by_role("button", name="CSV of /x")
+        name, text = await saved(page, button.press("Enter"))
+        lines = text.splitlines()
+        assert name == "x.csv"
+        assert lines[0] == '"time (s)","a","b"'
+        assert [each.split(",")[1:] for each in lines[1:]] == [["1", "1"], ["", "0.25"]]
+
+
+async def test_numbers_of_several_topics_in_one_plot(served, open_page):
+    address = page_address(served) + "#card=plot+0+/one+data"
+    kept = "new URLSearchParams(location.hash.slice(1)).get('card')"
+    async with client(served.url) as robot:
+        for topic, value in (("/one", 1.5), ("/two", 2.5)):
+            await robot.send(op="advertise", topic=topic, type="std_msgs/Float64", latch=True)
+            await robot.send(op="publish", topic=topic, msg={"data": value})
+        async with open_page(address) as page:
+            await page.wait_for_selector(".uplot")
+            others = page.get_by_label("add a topic to the plot of /one")
+            await others.focus()
+            await others.select_option("/two")
+            await page.get_by_role("button", name="plot data").press("Enter")
+            await until(page, f"() => {kept} === 'plot 0 /one data /two:data'")
+            both = "data 1.500|/two:data 2.500"
+            await until(page, f"both => ({LABELS})().join('|') === both", both)
+            await page.reload()
+            await until(page, f"both => ({LABELS})().join('|') === both", both)
+
+
+async def test_a_plot_keeps_a_limited_number_of_values(evaluate):
+    kept = """async ([count, hz]) => {
+        const { Samples } = await import("/views/plot_data.js");
+        const samples = new Samples(1);
+        for (let n = 0; n < count; n += 1) samples.add(n / hz, [n]);
+        return [samples.length, samples.newest - samples.oldest];
+    }"""
+    length, _ = await evaluate(kept, [200_000, 1000])
+    assert 60_000 <= length <= 66_000
+    _, seconds = await evaluate(kept, [20_000, 10])
+    assert 600 <= seconds <= 660
