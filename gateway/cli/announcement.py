@@ -14,6 +14,7 @@ from urllib.parse import urlsplit
 
 from gateway.access.posture import EVERYWHERE, LOOPBACKS
 from gateway.cli.logs import json_line
+from gateway.cli.tokens import how_to_add
 
 if TYPE_CHECKING:
     from gateway.app import Listening
@@ -137,7 +138,7 @@ def _token_lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[s
     yield f"  wscat   {_wscat(listening, url)}"
     token = f"in {listening.token_in}" if listening.token_in else listening.new_token or "TOKEN"
     yield f"  Unity   Address: {url}   Token: {token}"
-    yield f"  more    ros2-gateway token create NAME --role viewer, then kill -HUP {os.getpid()}"
+    yield f"  more    {how_to_add(listening.tokens, os.environ)}"
 
 
 def _wscat(listening: "Listening", url: str) -> str:

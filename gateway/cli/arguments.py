@@ -4,17 +4,30 @@
 import argparse
 import site
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
-from gateway.cli.argument_types import domain_id, option, seconds, several, switch
+from gateway.cli.argument_types import (
+    add_access,
+    domain_id,
+    option,
+    seconds,
+    several,
+    switch,
+    zenoh_address,
+)
+from gateway.cli.play_arguments import add_play
+from gateway.cli.record_arguments import add_record
+from gateway.cli.relay_arguments import add_relay_commands
 from gateway.cli.type_arguments import AddCommand, add_commands_about_types
 from gateway.codec.error_text import misspelt, suggestion
+from gateway.config.secrets import ADVICE, FILE_ADVICE, is_secret_name
 from gateway.errors import UsageError
 
 ROLES: Final = ("viewer", "operator", "admin")  # `gateway.config.access` would import pydantic
 
-_CONFIG: Final = "TOML file (default: $ROS2_GATEWAY_CONFIG)"
+_CONFIG: Final = "TOML file, over those of /etc/ros2-gateway (default: $ROS2_GATEWAY_CONFIG)"
 _DOMAIN_ID: Final = "DDS domain (default: ROS_DOMAIN_ID, or else 0)"
 _TWIST_STAMPED: Final = (
     "take commands as TwistStamped, as ros2_control does since Jazzy, instead of Twist"
@@ -28,6 +41,16 @@ CONFIG_FLAGS: Final = {
     "--domain-id": ("ros.domain_id", "ID", _DOMAIN_ID),
     "--node-prefix": ("ros.node_prefix", "NAME", "first part of the names of the gateway's nodes"),
     "--namespace": ("ros.namespace", "/NAME", "namespace of the gateway's nodes"),
+    "--uplink": (
+        "uplink.endpoint",
+        "ADDRESS",
+        "offer the robot to relays behind this Zenoh router",
+    ),
+    "--robot-name": (
+        "uplink.robot_name",
+        "NAME",
+        "name of the robot there (default: that of this machine)",
+    ),
     "--log-level": ("log.level", "LEVEL", "debug, info, warning or error (default info)"),
     "--log-format": ("log.format", "FORMAT", "text or json (default text)"),
     "--tls-cert": ("tls.cert", "FILE", "certificate in PEM (clients then need wss://)"),
@@ -88,9 +111,18 @@ def argument_parser() -> argparse.ArgumentParser:
         added.add_argument("--debug", action="store_true", help="show tracebacks of errors")
         return added
 
-    for add in (_add_serve, _add_demo, _add_sim, _add_mock, add_commands_about_types):
+    for add in (
+        _add_serve,
+        _add_demo,
+        partial(add_play, add_configuration=_add_configuration),
+        partial(add_relay_commands, add_configuration=_add_configuration),
+        add_record,
+        _add_sim,
+        _add_mock,
+        add_commands_about_types,
+    ):
         add(command)
-    for add in (_add_check_config, _add_token, _add_cert, _add_service, _add_find):
+    for add in (_add_check_config, _add_token, _add_cert, _add_service, _add_find, _add_doctor):
         add(command)
     return parser
 
@@ -103,6 +135,9 @@ class _Parser(argparse.ArgumentParser):
         parsed, unknown = super().parse_known_args(args, namespace)
         if unknown:
             flag = next((each for each in unknown if each.startswith("-")), "").partition("=")[0]
+            if is_secret_name(flag):
+                is_client = "--token-file" in self._option_string_actions
+                self.error(f"{flag}: {FILE_ADVICE if is_client else ADVICE}")
             hint = suggestion(misspelt(flag, self._option_string_actions))
             self.error(f"unknown arguments: {' '.join(unknown)}{hint}")
         return parsed, unknown
@@ -135,7 +170,8 @@ def _add_configuration(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group(
         "configuration",
         "A flag beats the environment (ROS2_GATEWAY_PORT, ROS2_GATEWAY_LIMITS__MAX_CLIENTS),\n"
-        "which beats the file, which beats the default. 'ros2-gateway check-config --keys'\n"
+        "which beats --config, which beats config.d/*.toml and then config.toml in\n"
+        "/etc/ros2-gateway (demo does not read these two). 'ros2-gateway check-config --example'\n"
         "lists all settings.",
     )
     option(group, "--config", "FILE", _CONFIG, type=Path)
@@ -157,8 +193,12 @@ def _add_serve(command: AddCommand) -> None:
         "  ros2-gateway serve                         to programs on this machine\n"
         "  ros2-gateway serve --lan                   to the network, by token\n"
         "  ros2-gateway serve --config gateway.toml   as a file says\n"
+        "  ros2-gateway serve --zenoh tcp/robot:7447  of a robot with rmw_zenoh, without ROS here\n"
+        "  ros2-gateway serve --uplink tls/relays.example:7447 --robot-name r1   also to relays\n"
         "  ROS2_GATEWAY_PORT=8080 ros2-gateway serve  as the environment says",
     )
+    zenoh = "serve the robot behind this Zenoh router, without ROS on this machine"
+    option(parser, "--zenoh", "ADDRESS", zenoh, type=zenoh_address)
     # for who writes a source: docs/contributing/adding-a-source.md
     parser.add_argument("--source", metavar="MODULE:FUNCTION", help=argparse.SUPPRESS)
     # for who writes a front: docs/contributing/adding-a-front.md
@@ -173,9 +213,11 @@ def _add_demo(command: AddCommand) -> None:
         "demo",
         "serve the topics of a simulated robot, which runs along",
         "  ros2-gateway demo\n  ros2-gateway demo --lan --port 8080\n"
+        "  ros2-gateway demo --recorded             without ROS, and without driving\n"
         "  ros2-gateway demo --namespace /robot1   also for the names and frames of the robot",
     )
     switch(parser, "--no-browser", "open no page, also on a desktop")
+    switch(parser, "--recorded", "play a recording of the robot, which needs no ROS")
     switch(parser.add_argument_group("robot"), "--twist-stamped", _TWIST_STAMPED)
     _add_configuration(parser)
 
@@ -229,7 +271,7 @@ def _add_service(command: AddCommand) -> None:
     )
     setup = "a setup.bash of ROS or of a workspace (default: of the only ROS in /opt/ros)"
     several(parser, "--setup", "FILE", setup, type=Path)
-    option(parser, "--config", "FILE", "TOML file of the gateway", type=Path)
+    option(parser, "--config", "FILE", "TOML file, over those of /etc/ros2-gateway", type=Path)
     switch(parser, "--lan", CONFIG_SWITCHES["--lan"][2])
     switch(parser, "--dry-run", "print the unit, and change nothing")
 
@@ -244,16 +286,33 @@ def _add_find(command: AddCommand) -> None:
     option(parser, "--wait", "SECONDS", wait, type=seconds, default=1.5)
 
 
+def _add_doctor(command: AddCommand) -> None:
+    parser = command(
+        "doctor",
+        "find what is wrong with this machine, or with a running gateway",
+        "  ros2-gateway doctor                  in the shell that starts the robot\n"
+        "  ros2-gateway doctor --json           for scripts. Exit code 1 if there is an error\n"
+        "  ros2-gateway doctor --from ws://robot:9090 --token-file token",
+    )
+    option(parser, "--config", "FILE", _CONFIG, type=Path)
+    switch(parser, "--json", "print JSON")
+    group = parser.add_argument_group("a running gateway")
+    option(group, "--from", "URL", "its address: ws://, wss://, http:// or https://", dest="source")
+    add_access(group, "for each check (default 20), or for each answer of a gateway (default 10)")
+
+
 def _add_check_config(command: AddCommand) -> None:
     parser = command(
         "check-config",
         "check the configuration",
+        "  ros2-gateway check-config             as `serve` would start here\n"
         "  ros2-gateway check-config gateway.toml\n"
-        "  ros2-gateway check-config --keys      all settings, as Markdown",
+        "  ros2-gateway check-config --example > gateway.toml",
     )
-    config = "TOML file (default: $ROS2_GATEWAY_CONFIG, if set)"
-    option(parser, "file", "FILE", config, nargs="?", type=Path)
-    switch(parser, "--keys", "print all settings with their defaults and meanings")
+    file = f"{_CONFIG}, or a directory in place of /etc/ros2-gateway"
+    option(parser, "file", "FILE", file, nargs="?", type=Path)
+    switch(parser, "--keys", "print all settings with their defaults and meanings, as Markdown")
+    switch(parser, "--example", "print a file with all settings as comments")
 
 
 def _add_token(command: AddCommand) -> None:

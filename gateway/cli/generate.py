@@ -9,10 +9,9 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import Final
 
-from gateway.cli.remote_connection import DEFAULT_TIMEOUT_S, Gateway
+from gateway.cli.remote_connection import gateway_of, is_for_access
 from gateway.cli.remote_types import remote_types
 from gateway.cli.type_names import TypeNames, is_pattern, local_definitions, matching
-from gateway.config.settings import TOKEN_VARIABLE
 from gateway.errors import GatewayError, UsageError, system_reason
 from schemas.definition import DefinitionError
 from schemas.generate.catalogue import Catalogue
@@ -69,8 +68,10 @@ def _check(arguments: argparse.Namespace) -> None:
         raise UsageError(
             "--asmdef works only with csharp and --output: it is a file next to the classes"
         )
-    if arguments.source is None and (arguments.token or arguments.ca or arguments.timeout):
-        raise UsageError("--token, --ca and --timeout are for a running gateway: name it by --from")
+    if arguments.source is None and is_for_access(arguments):
+        raise UsageError(
+            "--token-file, --ca and --timeout are for a running gateway: name it by --from"
+        )
     if arguments.source is not None and (arguments.types_path or arguments.config):
         raise UsageError("--from asks a gateway: leave out --types-path and --config, or --from")
 
@@ -80,10 +81,7 @@ def _found(arguments: argparse.Namespace, environment: Mapping[str, str]) -> Ite
     if arguments.source is None:
         yield _local(arguments, environment)
         return
-    token = arguments.token or environment.get(TOKEN_VARIABLE)
-    timeout_s = arguments.timeout or DEFAULT_TIMEOUT_S
-    gateway = Gateway(arguments.source, token, arguments.ca, timeout_s)
-    with remote_types(gateway, arguments.types) as (definitions, named):
+    with remote_types(gateway_of(arguments, environment), arguments.types) as (definitions, named):
         names = {name for each in named.values() for name in each}
         shown = {
             name

@@ -19,13 +19,13 @@ from gateway.cli import serving
 from gateway.cli.arguments import argument_parser
 from gateway.cli.output import announce, discard_output
 from gateway.cli.report import EXIT_OK, report
+from gateway.cli.ros_arguments import without_ros_arguments
 from gateway.cli.ros_environment import ros_imports, use_ros
 from gateway.ending_signals import ENDING
-from gateway.errors import RobotDiedError, UsageError
+from gateway.errors import ConfigError, RobotDiedError, UsageError
 
 if TYPE_CHECKING:
     from gateway.config.model import Config
-    from schemas.installed import InstalledDefinitions
 
 _interrupted: Final = threading.Event()  # by a signal: an import may lose the exception
 
@@ -38,8 +38,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     for signal_number in ENDING:
         signal.signal(signal_number, _interrupt)
     arguments = argparse.Namespace(debug=False, log_format=None)
+    given = sys.argv[1:] if argv is None else argv
     try:
-        argument_parser().parse_args(argv, arguments)
+        argument_parser().parse_args(without_ros_arguments(given), arguments)
         code = _run(arguments)
         sys.stdout.flush()
     except KeyboardInterrupt:
@@ -54,8 +55,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         if arguments.log_format is None:  # the configuration is not read
             from gateway.cli.logs import wanted_format
 
-            given = sys.argv[1:] if argv is None else argv
-            serves = given[:1] in (["serve"], ["demo"])  # the others have no log
+            serving_ones = (["serve"], ["demo"], ["play"], ["relay"])  # the others have no log
+            serves = given[:1] in serving_ones
             arguments.log_format = wanted_format(given, os.environ) if serves else "text"
         return report(error, arguments)
     return code
@@ -70,6 +71,10 @@ def _run(arguments: argparse.Namespace) -> int:
     commands: dict[str, Callable[[argparse.Namespace], int]] = {
         "serve": partial(serving.serve, _interrupted.is_set),
         "demo": partial(serving.demo, _interrupted.is_set),
+        "play": partial(serving.play, _interrupted.is_set),
+        "router": _router,
+        "relay": partial(serving.relay, _interrupted.is_set),
+        "record": partial(serving.record, _interrupted.is_set),
         "sim": _sim,
         "mock": _mock,
         "schema": _schema,
@@ -79,6 +84,7 @@ def _run(arguments: argparse.Namespace) -> int:
         "cert": _cert,
         "install-service": _install_service,
         "find": _find,
+        "doctor": _doctor,
     }
     return commands[arguments.command](arguments)
 
@@ -125,7 +131,10 @@ def _mock(arguments: argparse.Namespace) -> int:
 
 
 def _schema(arguments: argparse.Namespace) -> int:
+    import json
+
     from gateway.cli.type_names import TypeNames, local_definitions
+    from schemas.build import json_schema
     from schemas.definition import DefinitionError
     from schemas.installed import UnknownTypeError
 
@@ -136,7 +145,7 @@ def _schema(arguments: argparse.Namespace) -> int:
         if arguments.definition:
             text = definitions.get_any(name).text.rstrip()
         else:
-            text = _schema_text(name, definitions)
+            text = json.dumps(json_schema(name, definitions), indent=2, ensure_ascii=False)
     except UnknownTypeError as error:
         near = names.nearest(name)
         hint = ": install its package, or name a folder with its definition by --types-path"
@@ -157,25 +166,8 @@ def _generate(arguments: argparse.Namespace) -> int:
     return EXIT_OK
 
 
-def _schema_text(name: str, definitions: "InstalledDefinitions") -> str:
-    """Return the schema of the installed type or, without ROS, of the one in this package."""
-    import json
-
-    import schemas
-    from schemas.build import json_schema
-    from schemas.generate.json_schemas import file_name
-    from schemas.installed import UnknownTypeError
-
-    try:
-        return json.dumps(json_schema(name, definitions), indent=2, ensure_ascii=False)
-    except UnknownTypeError:
-        shipped = Path(schemas.__file__).parent / "json" / file_name(name)
-        if not shipped.is_file():
-            raise
-        return shipped.read_text(encoding="utf-8").rstrip()
-
-
 def _token(arguments: argparse.Namespace) -> int:
+    from gateway.access import token_file
     from gateway.access_files import token_path
     from gateway.cli import tokens
     from gateway.config.settings import load
@@ -199,7 +191,15 @@ def _token(arguments: argparse.Namespace) -> int:
             for line in tokens.listed(path):
                 print(line)
             return EXIT_OK
-    print(f"{note}. A running gateway reads {path} again on kill -HUP", file=sys.stderr)
+    from gateway.cli.service import RELOAD, TOKENS, installed_service
+
+    how = f"by {RELOAD}" if path == TOKENS else "on kill -HUP"
+    print(f"{note}. A running gateway reads {path} again {how}", file=sys.stderr)
+    if arguments.file is None and path == token_file.default_path(os.environ):
+        service = installed_service()
+        if service is not None:
+            command = tokens.create_command(TOKENS, service.user)
+            print(f"the service of this machine has other tokens: {command}", file=sys.stderr)
     return EXIT_OK
 
 
@@ -217,6 +217,7 @@ def _cert(arguments: argparse.Namespace) -> int:
 
 def _install_service(arguments: argparse.Namespace) -> int:
     from gateway.cli.service import install, unit_of
+    from gateway.config.settings import load
 
     wanted = unit_of(
         *(arguments.user, arguments.setup, os.environ), config=arguments.config, lan=arguments.lan
@@ -224,31 +225,63 @@ def _install_service(arguments: argparse.Namespace) -> int:
     if arguments.dry_run:
         print(wanted.text, end="")
     else:
-        for line in install(wanted):
+        from gateway.config.files import Given
+
+        lan = [Given("lan", "true", "--lan")] if arguments.lan else []
+        for line in install(wanted, load(lan, file=arguments.config)):
             print(line, flush=True)
     return EXIT_OK
 
 
 def _check_config(arguments: argparse.Namespace) -> int:
     from gateway.access.posture import posture_of
-    from gateway.access_files import read_access
-    from gateway.config.reference import reference
-    from gateway.config.settings import load
+    from gateway.access_files import exposed_secrets, read_access
+    from gateway.config.files import FOLDER_VARIABLE
+    from gateway.config.reference import example, reference
+    from gateway.config.settings import given_lines, load
 
-    if arguments.keys:
-        print(reference(), end="")
+    if arguments.keys or arguments.example:
+        print(reference() if arguments.keys else example(), end="")
         return EXIT_OK
-    loaded = load(environment=os.environ, file=arguments.file)
-    posture_of(loaded.config)  # an error if values contradict each other
-    read_access(_without_own_certificate(loaded.config))
-    if paths := loaded.config.types.paths:
-        from gateway.definitions import known_definitions
+    file, environment = arguments.file, dict(os.environ)
+    if file is not None and file.is_dir():
+        file, environment[FOLDER_VARIABLE] = None, str(file)
+    loaded = load(environment=environment, file=file)
+    try:
+        posture_of(loaded.config)  # an error if values contradict each other
+        read_access(_without_own_certificate(loaded.config))
+        if paths := loaded.config.types.paths:
+            from gateway.definitions import known_definitions
 
-        known_definitions(paths, "types.paths")
-    given = sum(origin != "default" for origin in loaded.origins.values())
-    values = "1 value" if given == 1 else f"{given} values"
+            known_definitions(paths, "types.paths")
+    except ConfigError as error:
+        raise loaded.located(error) from error
+    for note in (*exposed_secrets(loaded.config), *map(_ignored, loaded.ignored)):
+        print(f"ros2-gateway: {note}", file=sys.stderr)
+    for path in loaded.files:
+        print(f"read {path}")
+    lines = given_lines(loaded)
+    for line in lines:
+        print(f"  {line}")
+    values = "1 value" if len(lines) == 1 else f"{len(lines)} values"
     print(f"the configuration is right: {values} given, the others have their defaults")
     return EXIT_OK
+
+
+def _ignored(path: Path) -> str:
+    return f"{path} is ignored: end its name with .toml, without a dot before it, or remove it"
+
+
+def _doctor(arguments: argparse.Namespace) -> int:
+    from gateway.cli.doctor.command import doctor
+
+    return doctor(arguments, os.environ)
+
+
+def _router(arguments: argparse.Namespace) -> int:
+    from gateway.cli.router import router
+
+    return router(arguments)
 
 
 def _find(arguments: argparse.Namespace) -> int:

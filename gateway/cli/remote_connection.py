@@ -5,12 +5,13 @@ It uses the asyncio client of `websockets`, although nothing here runs concurren
 threads reads and writes a TLS connection from two threads at once, which OpenSSL does not allow.
 """
 
+import argparse
 import json
 import logging
 import socket
 import ssl
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +22,9 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidSta
 from websockets.frames import CloseCode
 from websockets.uri import parse_uri
 
+from gateway.access.tokens import MAX_TOKEN_CHARACTERS
 from gateway.backports import Runner, timeout
+from gateway.config.secrets import exposure
 from gateway.config.settings import TOKEN_VARIABLE
 from gateway.errors import GatewayError, UsageError, system_reason
 
@@ -30,6 +33,7 @@ MAX_ANSWER_BYTES: Final = 16 * 1024**2
 DEFAULT_TIMEOUT_S: Final = 10.0
 _MAX_REASON: Final = 300  # characters of a refusal in words
 _BAD_ADDRESS: Final = "--from: got {!r}, expected ws://HOST:PORT or wss://HOST:PORT"
+_SEND_TOKEN: Final = f". To send a token, use --token-file or {TOKEN_VARIABLE}"
 _NEEDS_TOKEN: Final = frozenset({401, 403})
 
 # websockets would write the other side's faults to it, with stacks
@@ -50,6 +54,35 @@ class Gateway:
     timeout_s: float = DEFAULT_TIMEOUT_S
 
 
+def is_for_access(arguments: argparse.Namespace) -> bool:
+    """Return whether there are arguments that only a running gateway needs."""
+    return any((arguments.token_file, arguments.ca, arguments.timeout))
+
+
+def gateway_of(arguments: argparse.Namespace, environment: Mapping[str, str]) -> Gateway:
+    """Return the gateway that ``--from`` and the arguments for access name.
+
+    Raises:
+        UsageError: the file of the token cannot be read, or others can read it.
+    """
+    token = environment.get(TOKEN_VARIABLE)
+    if arguments.token_file is not None:
+        token = _token_in(arguments.token_file)
+    timeout_s = arguments.timeout or DEFAULT_TIMEOUT_S
+    return Gateway(arguments.source, token, arguments.ca, timeout_s)
+
+
+def _token_in(path: Path) -> str:
+    exposed = exposure(path)
+    if exposed:
+        raise UsageError(f"--token-file: {exposed}")
+    try:
+        with path.open("rb") as file:
+            return file.read(MAX_TOKEN_CHARACTERS + 1).decode(errors="replace").strip()
+    except OSError as error:
+        raise UsageError(f"--token-file: cannot read {path}, {system_reason(error)}") from error
+
+
 class RemoteConnection:
     """Asks questions and waits for the answer to each."""
 
@@ -59,8 +92,30 @@ class RemoteConnection:
         self._gateway = gateway
         self._asked = 0
 
-    def ask(self, question: Mapping[str, object]) -> dict[str, Any]:
-        """Send an operation and return the frame that answers it.
+    def first_message(
+        self, topic: str, is_wanted: Callable[[Mapping[str, Any]], bool]
+    ) -> Mapping[str, Any]:
+        """Subscribe to a topic and return the first wanted message.
+
+        Raises:
+            UsageError: the gateway refuses it, and the text says why.
+            GatewayError: no such message comes in time, or the connection is lost.
+        """
+
+        def has_come(frame: Mapping[str, Any]) -> bool:
+            is_of_topic = frame.get("op") == "publish" and frame.get("topic") == topic
+            return is_of_topic and is_wanted(frame["msg"])
+
+        frame = self.ask({"op": "subscribe", "topic": topic}, has_come)
+        message: Mapping[str, Any] = frame["msg"]
+        return message
+
+    def ask(
+        self,
+        question: Mapping[str, object],
+        is_answer: Callable[[Mapping[str, Any]], bool] = lambda _: False,
+    ) -> dict[str, Any]:
+        """Send an operation and return the frame that answers it, by its id or *is_answer*.
 
         Raises:
             UsageError: the gateway refuses it, and the text says why.
@@ -68,7 +123,7 @@ class RemoteConnection:
         """
         self._asked += 1
         try:
-            answer = self._runner.run(self._answer(json.dumps({**question, "id": self._asked})))
+            answer = self._runner.run(self._answer({**question, "id": self._asked}, is_answer))
         except TimeoutError as error:
             waited = f"no answer within {self._gateway.timeout_s:g} s"
             hint = "raise --timeout, but rosbridge never answers this"
@@ -81,10 +136,12 @@ class RemoteConnection:
             raise self._refused(answer.get("values"), is_forbidden=True)
         return answer
 
-    async def _answer(self, question: str) -> dict[str, Any]:
-        """Return the frame with the id of the question, and skip others."""
+    async def _answer(
+        self, question: Mapping[str, object], is_answer: Callable[[Mapping[str, Any]], bool]
+    ) -> dict[str, Any]:
+        """Return the frame with the id of the question or the wanted one, and skip others."""
         async with timeout(self._gateway.timeout_s):
-            await self._socket.send(question)
+            await self._socket.send(json.dumps(question))
             while True:
                 frame = await self._socket.recv()
                 try:
@@ -93,13 +150,13 @@ class RemoteConnection:
                     raise self._failed(
                         "its answer is not JSON: check that it is a gateway"
                     ) from error
-                if isinstance(value, dict) and value.get("id") == self._asked:
+                if isinstance(value, dict) and (value.get("id") == self._asked or is_answer(value)):
                     return value
 
     def _refused(self, reason: object, *, is_forbidden: bool) -> UsageError:
         words = _printable(str(reason))
         needs_token = is_forbidden and self._gateway.token is None
-        hint = f". To send a token, use --token or {TOKEN_VARIABLE}" if needs_token else ""
+        hint = _SEND_TOKEN if needs_token else ""
         return UsageError(f"{self._gateway.url}: {words}{hint}")
 
     def _failed(self, reason: str) -> GatewayError:
@@ -126,7 +183,7 @@ async def _opened(gateway: Gateway) -> ClientConnection:
     url = gateway.url
     if not url.startswith(("ws://", "wss://")):
         raise UsageError(_BAD_ADDRESS.format(url))
-    tls, headers = _tls(gateway), _headers(gateway)
+    tls, headers = tls_context(gateway), _headers(gateway)
     deadline_s = time.monotonic() + gateway.timeout_s
     try:
         uri = parse_uri(url)
@@ -167,11 +224,18 @@ def _headers(gateway: Gateway) -> dict[str, str]:
     if token is None:
         return {}
     if not (token.isascii() and token.isprintable() and " " not in token):
-        raise UsageError(f"--token, {TOKEN_VARIABLE}: a token has printable ASCII without spaces")
+        raise UsageError(
+            f"--token-file, {TOKEN_VARIABLE}: a token has printable ASCII without spaces"
+        )
     return {"Authorization": f"Bearer {token}"}
 
 
-def _tls(gateway: Gateway) -> ssl.SSLContext | None:
+def tls_context(gateway: Gateway) -> ssl.SSLContext | None:
+    """Return how to trust the certificate of a gateway, ``None`` without TLS.
+
+    Raises:
+        UsageError: the file of the certificate cannot be used, or is named without TLS.
+    """
     if gateway.url.startswith("ws://"):
         if gateway.ca is not None:
             raise UsageError("--ca is for wss:// addresses")
@@ -190,7 +254,7 @@ def _refusal(error: InvalidStatus) -> str:
     said = _printable(f"{status} {error.response.reason_phrase}")
     if words and "<" not in words:
         said += f", {_printable(words)}"
-    hint = f". To send a token, use --token or {TOKEN_VARIABLE}" if status in _NEEDS_TOKEN else ""
+    hint = _SEND_TOKEN if status in _NEEDS_TOKEN else ""
     return f"the handshake is refused: {said}{hint}"
 
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from gateway.cli.output import discard_output
+from gateway.config.secrets import without_tokens
 from gateway.errors import (
     BindError,
     ConfigError,
@@ -52,10 +53,15 @@ def report(error: Exception, arguments: argparse.Namespace) -> int:
             where = f", at {error.filename}" if error.filename else ""
             remedy = _REMEDIES.get(error.errno or 0, "add --debug to see where")
             sentences, code = (f"{system_reason(error)}{where}: {remedy}",), EXIT_FAILURE
+        case ImportError():
+            remedy = "install what the gateway needs, by `pip install .` in the source tree"
+            missing = f"a Python package is missing or too old ({error}): {remedy}"
+            sentences, code = (missing,), EXIT_FAILURE
         case _:
             bug = f"internal error, {type(error).__name__}: {error} (add --debug to see where)"
             sentences, code = (bug,), EXIT_FAILURE
-    (_write_json if arguments.log_format == "json" else _write)(sentences, arguments)
+    shown = [without_tokens(sentence) for sentence in sentences]
+    (_write_json if arguments.log_format == "json" else _write)(shown, arguments)
     return code
 
 

@@ -7,7 +7,6 @@ cannot load its middleware, it ends the process.
 
 import os
 import re
-import resource
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -38,7 +37,7 @@ def use_ros(domain_id: int | None) -> None:
     """
     if domain_id is not None:
         os.environ["ROS_DOMAIN_ID"] = str(domain_id)
-    problems = [*_few_open_files(), *_wrong_domain(), *_wrong_discovery(), *_missing_middleware()]
+    problems = [*_few_open_files(), *_wrong_domain(), *wrong_discovery(), *_missing_middleware()]
     if problems:
         raise ConfigError(*problems)
 
@@ -67,6 +66,10 @@ def _given(variable: str) -> str:
 
 
 def _few_open_files() -> Iterator[str]:
+    if sys.platform == "win32":
+        return  # nobody serves ROS there
+    import resource
+
     allowed, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     if 0 <= allowed < MIN_OPEN_FILES:
         yield (
@@ -81,7 +84,8 @@ def _wrong_domain() -> Iterator[str]:
         yield f"ROS_DOMAIN_ID: got {given!r}, expected {DOMAIN_ID_EXPECTATION}"
 
 
-def _wrong_discovery() -> Iterator[str]:
+def wrong_discovery() -> Iterator[str]:
+    """Yield a sentence for each variable about discovery that ROS would not understand."""
     given = _given("ROS_AUTOMATIC_DISCOVERY_RANGE")
     if given not in {"", *_RANGES}:
         text = f"{', '.join(_RANGES[:-1])} or {_RANGES[-1]}, or unset it for {_RANGES[0]}"
@@ -114,14 +118,15 @@ def _missing_middleware() -> Iterator[str]:
     except subprocess.TimeoutExpired:
         return
     if finished.returncode:
-        installed = " or ".join(_installed_middleware()) or "none is installed"
+        installed = " or ".join(installed_middleware()) or "none is installed"
         yield (
             f"RMW_IMPLEMENTATION: got {given!r}, which ROS cannot load here, expected {installed}:"
             " unset it for the default, or install that package"
         )
 
 
-def _installed_middleware() -> list[str]:
+def installed_middleware() -> list[str]:
+    """Return the names for RMW_IMPLEMENTATION that are installed."""
     prefixes = [*os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep), sys.prefix]
     index = "share/ament_index/resource_index/rmw_typesupport"
     found = {

@@ -2,23 +2,29 @@
 """The command `ros2-gateway install-service`: a unit of systemd that starts at boot."""
 
 import os
-import pwd
+import re
 import shlex
 import subprocess
 import sys
-import sysconfig
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
+from gateway.access.posture import posture_of
+from gateway.cli.tokens import FIRST_TOKEN, create_command, own_command
+from gateway.config.files import FOLDER
+from gateway.config.reference import example
+from gateway.config.settings import Loaded
 from gateway.errors import RosMissingError, UsageError, system_reason
 
 UNIT: Final = Path("/etc/systemd/system/ros2-gateway.service")
+CONFIG: Final = FOLDER / "config.toml"
 SETUPS: Final = Path("/opt/ros")
 _SYSTEMD_RUNS: Final = Path("/run/systemd/system")  # sd_booted(3)
-_TOKENS: Final = "/var/lib/ros2-gateway/tokens.json"
+TOKENS: Final = Path("/var/lib/ros2-gateway/tokens.json")
+RELOAD: Final = f"sudo systemctl reload {UNIT.stem}"
 
 # By these, the ROS of a shell finds its robot.
 _ROS_VARIABLES: Final = (
@@ -34,6 +40,7 @@ _ROS_VARIABLES: Final = (
     "ZENOH_SESSION_CONFIG_URI",
 )
 
+_VARIABLE: Final = re.compile(r'"([A-Z_]+)=([^"]*)"')
 _TEMPLATE: Final = Path(__file__).with_name("ros2-gateway.service")
 
 
@@ -50,7 +57,7 @@ class Unit:
     def text(self) -> str:
         """The text of the unit."""
         setups = [f"source {shlex.quote(str(setup))}" for setup in self.setups]
-        serve = shlex.join([*_gateway(), "serve", *self.arguments])
+        serve = shlex.join([*own_command(), "serve", *self.arguments])
         variables = {"ROS_DOMAIN_ID": "0", **self.variables}
         environment = " ".join(_quoted(f"{name}={text}") for name, text in variables.items())
         return _TEMPLATE.read_text(encoding="utf-8").format(
@@ -74,6 +81,10 @@ def unit_of(
         UsageError: the user is unknown or not named, or a file is missing.
         RosMissingError: ROS is not installed.
     """
+    if sys.platform == "win32":
+        raise UsageError("systemd runs only on Linux: run install-service on the robot")
+    import pwd
+
     name = user or environment.get("SUDO_USER", "")
     if not name:
         raise UsageError("no user is named: add --user with the user that runs your ROS nodes")
@@ -92,20 +103,41 @@ def unit_of(
     return Unit(name, _found_setups(setups), arguments, variables)
 
 
-def install(wanted: Unit) -> Iterator[str]:
+class InstalledService(NamedTuple):
+    """The user and the environment of the service of this machine."""
+
+    user: str
+    variables: Mapping[str, str]
+
+
+def installed_service() -> InstalledService | None:
+    """Return the service that `install` has written, ``None`` before that."""
+    try:
+        text = UNIT.read_text(encoding="utf-8")
+    except OSError:
+        return None
+    user = re.search(r"^User=(.+)$", text, re.MULTILINE)
+    return InstalledService(user[1] if user else "root", dict(_VARIABLE.findall(text)))
+
+
+def install(wanted: Unit, loaded: Loaded) -> Iterator[str]:
     """Write the unit, and enable and start it. Yield a line for each thing that was done.
+
+    *loaded* is the configuration that the service will have.
 
     Raises:
         UsageError: this process is not root's, the user cannot run the gateway, or systemd refuses.
     """
     if os.geteuid() != 0:
         raise UsageError("only root may write a unit: run it with sudo, or look by --dry-run")
-    _check_reach(wanted.user)
-    try:
-        UNIT.write_text(wanted.text, encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"cannot write {UNIT}, {system_reason(error)}") from error
+    needs_token = posture_of(loaded.config).needs_token
+    _check_reach(wanted.user, loaded.files)
+    _write(UNIT, wanted.text)
     yield f"wrote {UNIT}"
+    if not CONFIG.exists():
+        CONFIG.parent.mkdir(parents=True, exist_ok=True)
+        _write(CONFIG, example())
+        yield f"wrote {CONFIG}, in which every setting is a comment"
     if _SYSTEMD_RUNS.is_dir():
         for command in (["daemon-reload"], ["enable", UNIT.name], ["restart", UNIT.name]):
             _systemctl(*command)
@@ -113,16 +145,17 @@ def install(wanted: Unit) -> Iterator[str]:
     else:
         yield f"systemd does not run here. To start it, run: systemctl enable --now {UNIT.stem}"
     yield f"its log:    journalctl -u {UNIT.stem} -f"
-    if "--lan" in wanted.arguments:
-        yield f"its token:  cat {Path(_TOKENS).with_name('first-token')}"
-    create = shlex.join([*_gateway(), "token", "--file", _TOKENS, "create", "NAME"])
-    yield f"another:    sudo -u {wanted.user} {create}"
+    tokens = Path(loaded.config.access.token_file or TOKENS)
+    if needs_token:
+        yield f"its token:  sudo cat {tokens.with_name(FIRST_TOKEN)}"
+    yield f"another:    {create_command(tokens, wanted.user)}, then {RELOAD}"
 
 
-def _gateway() -> Sequence[str]:
-    """Return the command of this installation."""
-    script = Path(sysconfig.get_path("scripts"), "ros2-gateway")
-    return [str(script)] if script.is_file() else [sys.executable, "-m", "gateway"]
+def _write(path: Path, text: str) -> None:
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"cannot write {path}, {system_reason(error)}") from error
 
 
 def _found_setups(given: Sequence[Path]) -> Sequence[Path]:
@@ -143,14 +176,18 @@ def _found_setups(given: Sequence[Path]) -> Sequence[Path]:
     return found
 
 
-def _check_reach(user: str) -> None:
-    """Check that a user can run this installation. Root's home is closed to others."""
-    command = ["runuser", "-u", user, "--", *_gateway(), "--version"]
+def _check_reach(user: str, files: Sequence[Path]) -> None:
+    """Check that a user can run this installation, and read the files of its configuration."""
+    run = ["runuser", "-u", user, "--"]
+    for file in files:
+        if subprocess.run([*run, "test", "-r", file], check=False, cwd="/").returncode:
+            raise UsageError(f"{user} cannot read {file}: run chmod a+r {file}, as for its folders")
+    command = [*run, *own_command(), "--version"]  # root's home is closed to others
     tried = subprocess.run(command, capture_output=True, text=True, check=False, cwd="/")
     if tried.returncode:
         reason = (tried.stderr.strip() or "no reason given").splitlines()[-1]
         raise UsageError(
-            f"{user} cannot run {shlex.join(_gateway())} ({reason}): install the gateway where"
+            f"{user} cannot run {shlex.join(own_command())} ({reason}): install the gateway where"
             f" {user} may read it"
         )
 

@@ -6,40 +6,50 @@ import logging
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gateway.cli.arguments import CONFIG_FLAGS, CONFIG_SWITCHES
 from gateway.cli.output import announce, discard_output, write, write_elsewhere
+from gateway.cli.record_arguments import RECORDING_FLAGS
 from gateway.cli.report import EXIT_OK
 from gateway.cli.ros_environment import require_rclpy, use_ros
-from gateway.errors import ConfigError, UsageError
+from gateway.errors import HOW_TO_GET_RECORDINGS, HOW_TO_GET_ZENOH, ConfigError, UsageError
+from gateway.sources.recording.options import DEMO, PlayOptions
 
 if TYPE_CHECKING:
-    from gateway.app import Listening
+    from gateway.app import Listening, OpenSource
+    from gateway.config.files import Given
     from gateway.config.model import Config
-    from gateway.config.settings import Given, Loaded
+    from gateway.config.settings import Loaded
 
 WasInterrupted = Callable[[], bool]
 
 
 def serve(was_interrupted: WasInterrupted, arguments: argparse.Namespace) -> int:
-    """Serve the topics of this ROS 2 system, or of the source that ``--source`` names."""
+    """Serve the topics of this ROS 2 system, or of the source that a flag names."""
     loaded = _configuration(arguments)
     if arguments.print_config:
         return _print_config(loaded)
-    if arguments.source is None:
+    if arguments.source is None and arguments.zenoh is None:
         use_ros(loaded.config.ros.domain_id)
+    opening = None if arguments.zenoh is None else _opening_zenoh(arguments.zenoh)
     _begin_log(loaded)
-    return _run_gateway(arguments, loaded, was_interrupted)
+    return _run_gateway(arguments, loaded, was_interrupted, open_source=opening)
 
 
 def demo(was_interrupted: WasInterrupted, arguments: argparse.Namespace) -> int:
     """Serve the topics of a simulated robot, which runs as long."""
     from gateway.cli import demo
 
+    if arguments.recorded:
+        opens_page, hint = not arguments.no_browser, "in a browser, open  PAGE"
+        options = PlayOptions(loop=True)
+        return _play(was_interrupted, arguments, [DEMO], options, hint, opens_page=opens_page)
     loaded = _configuration(arguments)
     loaded = loaded._replace(config=demo.with_robot(loaded.config))
     if arguments.print_config:
@@ -65,19 +75,116 @@ def demo(was_interrupted: WasInterrupted, arguments: argparse.Namespace) -> int:
     )
 
 
+def play(was_interrupted: WasInterrupted, arguments: argparse.Namespace) -> int:
+    """Serve a recording, without ROS."""
+    options = PlayOptions(arguments.rate, arguments.loop, arguments.start, arguments.paused)
+    return _play(was_interrupted, arguments, arguments.files, options)
+
+
+def relay(was_interrupted: WasInterrupted, arguments: argparse.Namespace) -> int:
+    """Serve the robots behind a Zenoh router."""
+    loaded = _configuration(arguments)
+    if arguments.print_config:
+        return _print_config(loaded)
+    if sys.platform == "win32":
+        raise UsageError("relay: it does not run on Windows: start it on Linux")
+    require_zenoh("relay")
+    _begin_log(loaded)
+    from gateway.relay.serve import run
+
+    try:
+        return run(
+            _with_certificate(loaded.config),
+            arguments.router,
+            announce=partial(_announce, loaded.config, "", False),
+            load=lambda: _with_certificate(_configuration(arguments).config),
+            was_interrupted=was_interrupted,
+        )
+    except ConfigError as error:
+        raise loaded.located(error) from error
+
+
+def record(was_interrupted: WasInterrupted, arguments: argparse.Namespace) -> int:
+    """Record the topics of this ROS 2 system."""
+    from gateway.cli.record import record
+
+    loaded = _configuration(arguments)
+    _begin_log(loaded)
+    return record(arguments, loaded, was_interrupted)
+
+
+def _play(
+    was_interrupted: WasInterrupted,
+    arguments: argparse.Namespace,
+    files: Sequence[Path],
+    options: PlayOptions,
+    hint: str = "",
+    *,
+    opens_page: bool = False,
+) -> int:
+    loaded = _configuration(arguments)
+    if arguments.print_config:
+        return _print_config(loaded)
+    opening = _opening(files, options)
+    _begin_log(loaded)
+    return _run_gateway(
+        arguments, loaded, was_interrupted, hint, opens_page=opens_page, open_source=opening
+    )
+
+
+def _opening(files: Sequence[Path], options: PlayOptions) -> "OpenSource":
+    """Return the function that opens a recording.
+
+    Raises:
+        UsageError: the packages that read recordings are missing.
+    """
+    try:
+        from gateway.sources.recording.port import open_source
+    except ModuleNotFoundError as error:
+        package = str(error.name).partition(".")[0]
+        raise UsageError(f"{package} is missing: {HOW_TO_GET_RECORDINGS}") from error
+    return partial(open_source, files, options)
+
+
+def _opening_zenoh(router: str) -> "OpenSource":
+    """Return the function that connects to a Zenoh router.
+
+    Raises:
+        UsageError: the packages that speak Zenoh are missing, or this is Windows.
+    """
+    if sys.platform == "win32":  # its event loops cannot read the pipe of the guard process
+        what = "the process that stops the robot does not run on Windows"
+        raise UsageError(f"--zenoh: {what}: start the gateway on Linux")
+    require_zenoh("--zenoh")
+    from gateway.sources.zenoh.options import ZenohOptions
+    from gateway.sources.zenoh.port import open_source
+
+    overrides = os.environ.get("ZENOH_CONFIG_OVERRIDE", "")
+    return partial(open_source, ZenohOptions(router, overrides))
+
+
+def require_zenoh(what: str) -> None:
+    """Raise UsageError if the packages that speak Zenoh are missing."""
+    for package in ("zenoh", "xxhash"):
+        if find_spec(package) is None:
+            raise UsageError(f"{what}: {package} is missing: {HOW_TO_GET_ZENOH}")
+
+
 def _configuration(arguments: argparse.Namespace) -> "Loaded":
     from gateway.config.settings import load
 
-    loaded = load(_given(arguments), os.environ, arguments.config)
+    # A demonstration is not the robot of this machine, and not for the robot's network.
+    is_demo = arguments.command == "demo"
+    loaded = load(_given(arguments), os.environ, arguments.config, only_named=is_demo)
     arguments.log_format = loaded.config.log.format  # also of errors, from now on
     return loaded
 
 
 def _given(arguments: argparse.Namespace) -> list["Given"]:
-    from gateway.config.settings import Given
+    from gateway.config.files import Given
 
     flags = {key: flag for flag, (key, *_) in CONFIG_FLAGS.items()}
-    flags |= {key: flag for flag, (key, *_) in CONFIG_SWITCHES.items()}
+    flags |= {key: flag for flag, (key, *_) in (CONFIG_SWITCHES | RECORDING_FLAGS).items()}
     given = []
     for assignment in arguments.set:
         key, equals, value = assignment.partition("=")
@@ -85,7 +192,7 @@ def _given(arguments: argparse.Namespace) -> list["Given"]:
             raise ConfigError(f"--set: got {assignment!r}, expected KEY=VALUE")
         given.append(Given(key, value, f"--set {key}"))
     for key, flag in flags.items():
-        value = getattr(arguments, key)
+        value = getattr(arguments, key, None)  # a command need not have all
         if value is not None:
             given.append(Given(key, value, flag))
     return given
@@ -111,23 +218,28 @@ def _run_gateway(
     hint: str = "",
     *,
     opens_page: bool = False,
+    open_source: "OpenSource | None" = None,
 ) -> int:
-    # the simulated robot has no other source, and no front
+    # only `serve` has flags for these
     source, fronts = getattr(arguments, "source", None), getattr(arguments, "front", None)
-    open_source = None if source is None else _named("source", source)
+    if source is not None:
+        open_source = _named("source", source)
     open_fronts = [_named("front", name) for name in fronts or ()]
     if open_source is None:
         require_rclpy()
     from gateway import app
 
-    return app.run(
-        _with_certificate(loaded.config),
-        announce=partial(_announce, loaded.config, hint, opens_page),
-        open_source=open_source,
-        open_fronts=open_fronts,
-        load=lambda: _with_certificate(_configuration(arguments).config),
-        was_interrupted=was_interrupted,
-    )
+    try:
+        return app.run(
+            _with_certificate(loaded.config),
+            announce=partial(_announce, loaded.config, hint, opens_page),
+            open_source=open_source,
+            open_fronts=open_fronts,
+            load=lambda: _with_certificate(_configuration(arguments).config),
+            was_interrupted=was_interrupted,
+        )
+    except ConfigError as error:
+        raise loaded.located(error) from error
 
 
 def _announce(

@@ -2,7 +2,12 @@
 """The command `ros2-gateway token`: make, list and revoke the tokens of clients."""
 
 import logging
-from collections.abc import Iterator
+import os
+import re
+import shlex
+import sys
+import sysconfig
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TextIO
@@ -11,12 +16,15 @@ from gateway.access import token_file
 from gateway.access.tokens import is_name, make_token
 from gateway.access_files import now_text
 from gateway.config.access import Role
-from gateway.errors import UsageError
+from gateway.errors import UsageError, system_reason
 
 if TYPE_CHECKING:
     from gateway.app import Listening
 
 FIRST_TOKEN: Final = "first-token"  # noqa: S105  # the name of a file, beside the token file
+
+_CGROUP: Final = Path("/proc/self/cgroup")
+_UNIT: Final = re.compile(r"/([^/\n]+)\.service$", re.MULTILINE)
 
 logger = logging.getLogger("gateway")
 
@@ -57,17 +65,49 @@ def listed(path: Path) -> Iterator[str]:
         yield f"{token.name:{width}}  {token.role:8}  {token.created}"
 
 
+def how_to_add(path: Path, environment: Mapping[str, str]) -> str:
+    """Return the commands by which a person in a shell adds a token to this running gateway.
+
+    A service has another environment than that shell, so the command names its file and its user.
+    """
+    if not environment.get("NOTIFY_SOCKET"):
+        others_file = [] if path == token_file.default_path(environment) else ["--file", str(path)]
+        command = shlex.join(["ros2-gateway", "token", *others_file, "create", "NAME"])
+        return f"{command} --role viewer, then kill -HUP {os.getpid()}"
+    import pwd
+
+    user = pwd.getpwuid(os.geteuid()).pw_name
+    found = _UNIT.search(_CGROUP.read_text(encoding="utf-8"))
+    apply = f"systemctl reload {found[1]}" if found else f"kill -HUP {os.getpid()}"
+    return f"{create_command(path, user)}, then sudo {apply}"
+
+
+def create_command(path: Path, user: str) -> str:
+    """Return the command that adds a token to the file of a service, which runs as *user*."""
+    create = ["token", "--file", str(path), "create", "NAME", "--role", "viewer"]
+    return f"sudo -u {user} {shlex.join([*own_command(), *create])}"
+
+
+def own_command() -> Sequence[str]:
+    """Return the command of this installation, which `PATH` need not have."""
+    script = Path(sysconfig.get_path("scripts"), "ros2-gateway")
+    return [str(script)] if script.is_file() else [sys.executable, "-m", "gateway"]
+
+
 def kept_from_logs(listening: "Listening", stdout: TextIO) -> "Listening":
     """Put a new token into a file if *stdout* is not a terminal: it may be a log that others read.
 
-    If the file cannot be written, the token is still shown, because it would be lost otherwise.
+    If the file cannot be written, nobody learns the token.
     """
     if listening.new_token is None or stdout.isatty():
         return listening
     path = listening.tokens.with_name(FIRST_TOKEN)
     try:
         token_file.replace(path, f"{listening.new_token}\n".encode())
-    except OSError:
-        return listening
+    except OSError as error:
+        another = how_to_add(listening.tokens, os.environ)
+        why = f"cannot write {path}, {system_reason(error)}, so nobody knows the new token"
+        logger.warning("%s: make room or write access, then make another by %s", why, another)
+        return replace(listening, new_token=None)
     logger.info("the token of a new operator is in %s", path)
     return replace(listening, new_token=None, token_in=path)

@@ -8,10 +8,10 @@ from typing import Final
 
 from gateway.cli.argument_types import (
     Group,
+    add_access,
     assembly_name,
     folder,
     option,
-    seconds,
     several,
     switch,
 )
@@ -101,10 +101,4 @@ def _add_folders(group: Group) -> None:
 def _add_sources(group: Group) -> None:
     _add_folders(group)
     option(group, "--from", "URL", "ws:// or wss:// address of a running gateway", dest="source")
-    option(
-        *(group, "--token", "TOKEN"),
-        "its token (default: $ROS2_GATEWAY_TOKEN, which other users of this machine cannot see)",
-    )
-    option(group, "--ca", "FILE", "certificate in PEM to trust, such as its cert.pem", type=Path)
-    timeout = "for connecting, and for each answer (default 10)"
-    option(group, "--timeout", "SECONDS", timeout, type=seconds)
+    add_access(group)

@@ -12,7 +12,8 @@ ROLES: Final[tuple[Role, ...]] = ("viewer", "operator", "admin")
 AnyRole = Role | Literal["page"]  # pages of another local server have it, but no token
 
 # `**`, or a path of segments, in which `*` stands for any characters
-Glob = Annotated[str, StringConstraints(pattern=r"^(\*\*|(/(\*\*|[A-Za-z0-9_*]+))+)$")]
+GLOB: Final = r"^(\*\*|(/(\*\*|[A-Za-z0-9_*]+))+)$"
+Glob = Annotated[str, StringConstraints(pattern=GLOB)]
 Globs = Annotated[
     tuple[Glob, ...],
     Field(
@@ -30,6 +31,7 @@ _SUBSCRIBE: Final = "Topics that the role may subscribe to. It sees these names 
 _PUBLISH: Final = "Topics that the role may publish. Services and actions that it may provide."
 _CALL: Final = "Services that the role may call. Actions that it may send goals to."
 _NOT_CALL: Final = "Exceptions from `call`."
+_RECORD: Final = "Whether the role may start, stop, and mark recordings."
 
 
 class RoleConfig(Section):
@@ -38,6 +40,7 @@ class RoleConfig(Section):
     subscribe: Globs = Field(("**",), description=_SUBSCRIBE)
     publish: Globs = Field(("**",), description=_PUBLISH)
     call: Globs = Field(("**",), description=_CALL)
+    record: bool = Field(True, description=_RECORD)
     deny_subscribe: Globs = Field((), description="Exceptions from `subscribe`.")
     deny_publish: Globs = Field((), description="Exceptions from `publish`.")
     deny_call: Globs = Field((), description=_NOT_CALL)
@@ -56,6 +59,7 @@ class ViewerConfig(RoleConfig):
         ),
         description=_CALL,
     )
+    record: bool = Field(False, description=_RECORD)
 
 
 class OperatorConfig(RoleConfig):
@@ -74,6 +78,7 @@ class PageConfig(RoleConfig):
     """
 
     publish: Globs = Field((), description=_PUBLISH)
+    record: bool = Field(False, description=_RECORD)
     deny_call: Globs = Field(
         ("/**/_action/send_goal", "/**/set_parameters", "/**/set_parameters_atomically"),
         description="Exceptions from `call`. `/**/_action/send_goal` covers all goals.",

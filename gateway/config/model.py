@@ -13,7 +13,9 @@ from gateway.config.access import AccessConfig, AuditConfig, TlsConfig
 from gateway.config.control import ControlConfig
 from gateway.config.domain_id import MAX_DOMAIN_ID
 from gateway.config.limits import Limits
+from gateway.config.recording import RecordingConfig
 from gateway.config.section import Section
+from gateway.config.zenoh import RelayConfig, UplinkConfig
 
 
 def network(text: str) -> str:
@@ -199,3 +201,6 @@ class Config(Section):
     control: ControlConfig = ControlConfig()
     images: ImagesConfig = ImagesConfig()
     types: TypesConfig = TypesConfig()
+    recording: RecordingConfig = RecordingConfig()
+    uplink: UplinkConfig = UplinkConfig()
+    relay: RelayConfig = RelayConfig()

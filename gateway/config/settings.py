@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sources of the configuration: flags, then the environment, then a TOML file.
+"""The sources of the configuration: flags, then the environment, then the files.
 
-Other settings have their defaults. Every error names the flag, the variable, or the file and key.
+Other settings have their defaults. Every error names the flag, the variable, or the file, its line,
+and the key.
 """
 
 import contextlib
@@ -17,15 +18,17 @@ from typing import Annotated, Any, Final, NamedTuple
 from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
+from gateway.config.files import FILE_VARIABLE, FOLDER_VARIABLE, Given, read_files
 from gateway.config.model import Config
+from gateway.config.secrets import ADVICE, TOKEN_PREFIX, is_secret_name
 from gateway.config.section import Section
-from gateway.errors import ConfigError, system_reason
+from gateway.errors import ConfigError
 from schemas.backports import tomllib
 
 PREFIX: Final = "ROS2_GATEWAY_"
-FILE_VARIABLE: Final = "ROS2_GATEWAY_CONFIG"
 # of clients: `ros2-gateway generate --from` shows it to a gateway
 TOKEN_VARIABLE: Final = "ROS2_GATEWAY_TOKEN"  # noqa: S105  # a name
+_OTHER_VARIABLES: Final = frozenset({FILE_VARIABLE, FOLDER_VARIABLE, TOKEN_VARIABLE})
 
 
 def _variable(key: str) -> str:
@@ -33,21 +36,19 @@ def _variable(key: str) -> str:
 
 
 _DEFAULT: Final = "default"
+_UNITS: Final = {
+    "_rad_s": "in rad/s",
+    "_m_s": "in m/s",
+    "_per_s": "per second",
+    "_bytes": "in bytes",
+    "_s": "in seconds",
+}
 _JSON_TYPES: Final = {
     "integer": "an integer",
     "number": "a number",
     "boolean": "true or false",
     "string": "text",
 }
-
-
-class Given(NamedTuple):
-    """One unchecked value from one source. ``is_text`` if the source has only strings."""
-
-    key: str  # dotted, as in limits.max_clients
-    value: object
-    source: str  # its name for the operator: --port, ROS2_GATEWAY_PORT, gateway.toml
-    is_text: bool = True
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,11 @@ class Setting:
         """Its meaning, and the effect at the limit."""
         return self.field.description or ""
 
+    @property
+    def unit(self) -> str:
+        """Its unit, by the end of its name. Empty for a number or text without one."""
+        return next((unit for end, unit in _UNITS.items() if self.key.endswith(end)), "")
+
     @cached_property
     def expectation(self) -> str:
         """A text about its values: ``an integer from 0 to 65535``."""
@@ -82,6 +88,9 @@ class Setting:
             ConfigError: the value is invalid.
         """
         value = given.value
+        name = given.source if given.is_text else f"{given.source}: {self.key}"
+        if isinstance(value, str) and value.startswith(TOKEN_PREFIX):
+            raise ConfigError(f"{name}: got a token, but {ADVICE}")
         try:
             if self._is_list and isinstance(value, str) and given.is_text:
                 value = _items(value)
@@ -91,7 +100,6 @@ class Setting:
                 return self._adapter.validate_strings(value)
             return self._adapter.validate_python(value, strict=True)
         except ValidationError as error:
-            name = given.source if given.is_text else f"{given.source}: {self.key}"
             got = reprlib.repr(given.value)
             raise ConfigError(f"{name}: got {got}, expected {self.expectation}") from error
 
@@ -111,6 +119,17 @@ class Loaded(NamedTuple):
 
     config: Config
     origins: Mapping[str, str]
+    files: Sequence[Path] = ()  # that were read, later ones override earlier ones
+    ignored: Sequence[Path] = ()  # of the folder of drop-ins
+
+    def located(self, error: ConfigError) -> ConfigError:
+        """Return the problems with the sources of the settings that they begin with."""
+        return ConfigError(*map(self._located, error.problems))
+
+    def _located(self, problem: str) -> str:
+        origin = self.origins.get(problem.partition(":")[0].partition(",")[0], _DEFAULT)
+        is_near = origin == _DEFAULT or origin.startswith("--")  # in the line that was just typed
+        return problem if is_near else f"{origin}: {problem}"
 
 
 def settings(section: type[Section] = Config, prefix: str = "") -> Iterator[Setting]:
@@ -126,29 +145,30 @@ def load(
     flags: Iterable[Given] = (),
     environment: Mapping[str, str] | None = None,
     file: Path | None = None,
+    *,
+    only_named: bool = False,
 ) -> Loaded:
     """Load the configuration. A *file* takes precedence over the one that the environment names.
+
+    The files of this machine are below both. With *only_named*, they are not read.
 
     Raises:
         ConfigError: values are wrong. The error lists every mistake in all sources.
     """
     environment = environment or {}
-    if file is None and environment.get(FILE_VARIABLE):
-        file = Path(environment[FILE_VARIABLE])
     known = {setting.key: setting for setting in settings()}
     values: dict[str, object] = {}
     origins = dict.fromkeys(known, _DEFAULT)
-    problems: list[str] = []
+    files = read_files(environment, file, known, only_named=only_named)
+    problems = files.problems
     for given in [
-        *(() if file is None else _from_file(file, known, problems)),
+        *files.given,
         *_from_environment(environment, known, problems),
         *flags,
     ]:
         setting = known.get(given.key)
         if setting is None:
-            sections = dict.fromkeys(key.partition(".")[0] for key in known)
-            hint = _hint(given.key, [*known, *sections])
-            problems.append(f"{given.source}: unknown setting {given.key}{hint}")
+            problems.append(f"{given.source}: {_unknown(given.key, known)}")
             continue
         try:
             values[given.key] = setting.parse(given)
@@ -157,7 +177,17 @@ def load(
         origins[given.key] = given.source
     if problems:
         raise ConfigError(*problems)
-    return Loaded(Config.model_validate(_nested(values)), origins)
+    config = Config.model_validate(_nested(values))
+    return Loaded(config, origins, files.read, files.ignored)
+
+
+def given_lines(loaded: Loaded) -> list[str]:
+    """Return a line for each value that is not a default, with its source."""
+    return [
+        f"{key} = {toml_value(_value_at(loaded.config, key))}  # {origin}"
+        for key, origin in loaded.origins.items()
+        if origin != _DEFAULT
+    ]
 
 
 def to_toml(loaded: Loaded) -> str:
@@ -176,36 +206,6 @@ def to_toml(loaded: Loaded) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _from_file(path: Path, known: Mapping[str, Setting], problems: list[str]) -> Sequence[Given]:
-    try:
-        with path.open("rb") as file:
-            document = tomllib.load(file)
-    except OSError as error:
-        problems.append(f"cannot read {path}, {system_reason(error)}")
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        problems.append(f"{path} is not valid TOML: {error}")
-    else:
-        return list(_flattened(document, str(path), known, problems))
-    return ()
-
-
-def _flattened(
-    table: Mapping[str, object],
-    source: str,
-    known: Mapping[str, Setting],
-    problems: list[str],
-    prefix: str = "",
-) -> Iterator[Given]:
-    for name, value in table.items():
-        key = prefix + name
-        if not any(other.startswith(f"{key}.") for other in known):
-            yield Given(key, value, source, is_text=False)
-        elif isinstance(value, dict):
-            yield from _flattened(value, source, known, problems, f"{key}.")
-        else:
-            problems.append(f"{source}: {key}: got {reprlib.repr(value)}, expected a table")
-
-
 def _from_environment(
     environment: Mapping[str, str], known: Mapping[str, Setting], problems: list[str]
 ) -> Iterator[Given]:
@@ -213,9 +213,19 @@ def _from_environment(
     for variable, value in sorted(environment.items()):
         if variable in by_variable:
             yield Given(by_variable[variable], value, variable)
-        elif variable.startswith(PREFIX) and variable not in {FILE_VARIABLE, TOKEN_VARIABLE}:
-            hint = _hint(variable, [*by_variable, FILE_VARIABLE])
+        elif variable.startswith(PREFIX) and variable not in _OTHER_VARIABLES:
+            if is_secret_name(variable):
+                problems.append(f"{variable}: {ADVICE}")
+                continue
+            hint = _hint(variable, [*by_variable, FILE_VARIABLE, FOLDER_VARIABLE])
             problems.append(f"unknown environment variable {variable}{hint}")
+
+
+def _unknown(key: str, known: Iterable[str]) -> str:
+    if is_secret_name(key):
+        return f"{key}: {ADVICE}"
+    sections = dict.fromkeys(other.partition(".")[0] for other in known)
+    return f"unknown setting {key}{_hint(key, [*known, *sections])}"
 
 
 def _hint(name: str, known: Iterable[str]) -> str:

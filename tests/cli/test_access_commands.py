@@ -109,7 +109,8 @@ def test_a_mistake_in_the_settings_of_access_is_one_sentence(arguments, text):
 def test_check_config_finds_values_that_contradict_each_other(tmp_path: Path):
     path = tmp_path / "gateway.toml"
     path.write_text("lan = true\n[access]\nanonymous_role = 'operator'\n")
-    assert sentence("check-config", str(path)).startswith("access.anonymous_role: got a role")
+    found = sentence("check-config", str(path))
+    assert found.startswith(f"{path}:3: access.anonymous_role: got a role")
 
 
 @pytest.mark.parametrize(("flags", "is_shown"), [((), True), (("--no-qr",), False)])

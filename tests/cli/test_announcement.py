@@ -2,20 +2,25 @@
 import io
 import json
 import os
+import pwd
+import shlex
 import stat
 from pathlib import Path
 
 import pytest
 
 from gateway.access.posture import Posture
+from gateway.access.token_file import default_path
 from gateway.app import Listening
 from gateway.cli import announcement
+from gateway.cli import tokens as tokens_module
 from gateway.cli.announcement import filled, own_url, qr_code, qr_text
 from gateway.cli.tokens import kept_from_logs
 from tests.doc_blocks import texts
 
 LAN = (("0.0.0.0", 9090), ("::", 9090))  # noqa: S104  # of a text, not bound
 HERE = (("127.0.0.1", 9090),)
+TOKENS = default_path(os.environ)
 HOME = "192.168.1.7"
 
 
@@ -25,7 +30,7 @@ def listening(
     new_token=None,
     certificate=None,
     path="/",
-    tokens=Path("/conf/tokens.json"),  # nobody changes it
+    tokens=TOKENS,
 ) -> Listening:
     is_open = addresses[:1] != HERE
     posture = Posture(tuple(host for host, _ in addresses), is_open, anonymous_role)
@@ -65,6 +70,33 @@ def test_the_page_about_the_network_shows_these_lines():
     assert shown == lines.replace(f"kill -HUP {os.getpid()}", "kill -HUP 1234")
 
 
+def test_another_file_of_tokens_is_named():
+    lines = announcement.announcement(listening(tokens=Path("/conf/my tokens.json")))
+    create = "ros2-gateway token --file '/conf/my tokens.json' create NAME --role viewer"
+    assert lines.endswith(f"  more    {create}, then kill -HUP {os.getpid()}")
+
+
+@pytest.mark.parametrize(
+    ("cgroup", "apply"),
+    [
+        ("0::/system.slice/robot.service\n", "systemctl reload robot"),
+        ("0::/\n", "kill -HUP {pid}"),
+    ],
+)
+def test_the_log_of_a_service_names_the_commands_that_work_for_that_service(
+    tmp_path, monkeypatch, cgroup, apply
+):
+    monkeypatch.setenv("NOTIFY_SOCKET", "/run/systemd/notify")
+    monkeypatch.setattr(tokens_module, "_CGROUP", tmp_path / "cgroup")
+    (tmp_path / "cgroup").write_text(cgroup)
+    path = tmp_path / "tokens.json"
+    last = announcement.announcement(listening(tokens=path)).splitlines()[-1]
+    user = pwd.getpwuid(os.geteuid()).pw_name
+    create = f"sudo -u {user} {shlex.join(tokens_module.own_command())} token --file {path} create"
+    apply = apply.format(pid=os.getpid())
+    assert last == f"  more    {create} NAME --role viewer, then sudo {apply}"
+
+
 def test_a_new_token_is_not_shown_on_an_output_that_may_be_a_log(tmp_path):
     with_token = listening(new_token="r2g_x", tokens=tmp_path / "tokens.json")  # noqa: S106
     kept = kept_from_logs(with_token, io.StringIO())
@@ -76,9 +108,13 @@ def test_a_new_token_is_not_shown_on_an_output_that_may_be_a_log(tmp_path):
     assert f"A new one, for an operator, is in {path}\n" in text
 
 
-def test_a_new_token_that_cannot_be_kept_is_shown_as_nobody_would_know_it():
+def test_a_new_token_that_cannot_be_kept_is_not_shown_either(caplog):
     with_token = listening(new_token="r2g_x", tokens=Path("/proc/none/tokens.json"))  # noqa: S106
-    assert kept_from_logs(with_token, io.StringIO()) is with_token
+    kept = kept_from_logs(with_token, io.StringIO())
+    text = announcement.announcement(kept) + filled("WSCAT PAGE", kept) + caplog.text
+    assert "r2g_x" not in text
+    assert "cannot write /proc/none/first-token, no such file or directory" in text
+    assert "make another by ros2-gateway token --file /proc/none/tokens.json create NAME" in text
 
 
 def test_without_a_network_it_says_how_to_find_an_address(monkeypatch):
@@ -90,7 +126,7 @@ def test_without_a_network_it_says_how_to_find_an_address(monkeypatch):
 
 def test_a_token_that_is_kept_as_a_hash_has_a_place_in_the_lines():
     lines = announcement.announcement(listening())
-    assert "The hashes of the valid ones are in /conf/tokens.json" in lines
+    assert f"The hashes of the valid ones are in {TOKENS}" in lines
     assert "Bearer TOKEN'" in lines
     assert "Token: TOKEN\n" in lines
 

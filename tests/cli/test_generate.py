@@ -223,12 +223,12 @@ def test_definitions_that_come_with_the_gateway_are_known_to_both_commands(name)
             ),
         ),
         (
-            ("python", "1", "--token", "x"),
-            "--token, --ca and --timeout are for a running gateway: name it by --from",
+            ("python", "1", "--token-file", "x"),
+            "--token-file, --ca and --timeout are for a running gateway: name it by --from",
         ),
         (
             ("python", "1", "--timeout", "5"),
-            "--token, --ca and --timeout are for a running gateway: name it by --from",
+            "--token-file, --ca and --timeout are for a running gateway: name it by --from",
         ),
         (
             ("python", "1", "--output", ""),

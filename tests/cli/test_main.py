@@ -19,6 +19,7 @@ from gateway import app
 from gateway.cli import demo, serving
 from gateway.cli import main as cli
 from gateway.cli.report import _REMEDIES
+from gateway.config import files
 from gateway.ending_signals import ENDING
 from gateway.errors import _BIND_REASONS
 from schemas.backports import tomllib
@@ -224,7 +225,36 @@ def test_check_config_accepts_a_right_file(tmp_path):
     path.write_text("port = 1\n")
     finished = ros2_gateway("check-config", str(path))
     assert (finished.returncode, finished.stderr) == (0, "")
-    assert "1 value given" in finished.stdout
+    assert finished.stdout.splitlines() == [
+        f"read {path}",
+        f"  port = 1  # {path}:1",
+        "the configuration is right: 1 value given, the others have their defaults",
+    ]
+
+
+def test_check_config_reads_the_files_of_this_machine_and_names_what_it_ignores(tmp_path):
+    key = tmp_path / "tokens.json"
+    key.write_text('{"version":1,"tokens":[]}')
+    key.chmod(0o644)
+    folder = tmp_path / "config.d"
+    folder.mkdir()
+    (tmp_path / "config.toml").write_text(f"lan = true\naccess.token_file = '{key}'\n")
+    (folder / "robot.toml").write_text("lan = false\n")
+    (folder / "robot.toml.bak").touch()
+    finished = ros2_gateway("check-config", ROS2_GATEWAY_CONFIG_DIR=str(tmp_path))
+    assert finished.returncode == 0
+    assert f"  lan = false  # {folder}/robot.toml:1\n" in finished.stdout
+    exposed, ignored = finished.stderr.splitlines()
+    assert exposed.endswith(f"run chmod o-rwx {key}")
+    assert ignored.startswith(f"ros2-gateway: {folder}/robot.toml.bak is ignored: end its name ")
+
+
+def test_check_config_prints_an_example_that_it_accepts(tmp_path):
+    printed = ros2_gateway("check-config", "--example")
+    (tmp_path / "config.toml").write_text(printed.stdout)
+    finished = ros2_gateway("check-config", ROS2_GATEWAY_CONFIG_DIR=str(tmp_path))
+    assert (finished.returncode, finished.stderr) == (0, "")
+    assert "0 values given" in finished.stdout
 
 
 @pytest.mark.parametrize(
@@ -232,15 +262,21 @@ def test_check_config_accepts_a_right_file(tmp_path):
     [
         (
             "port = 9443\ntls.port = 9443\n",
-            "tls.port: 9443 is the plain port already: choose another",
+            "PATH:2: tls.port: 9443 is the plain port already: choose another",
         ),
         (
             "tls.cert = '/nowhere/cert.pem'\n",
-            "tls.cert, tls.key: cannot read the files, no such file or directory",
+            "PATH:1: tls.cert, tls.key: cannot read the files, no such file or directory",
         ),
-        ("tls.port = 9443\ntls.key = 'k'\n", "tls.key: needs tls.cert, which is missing: set both"),
-        ("types.paths = ['/nowhere']\n", "types.paths: /nowhere: no such file or directory"),
-        ("log.level = 3\n", "PATH: log.level: got 3, expected debug, info, warning or error"),
+        (
+            "tls.port = 9443\ntls.key = 'k'\n",
+            "PATH:2: tls.key: needs tls.cert, which is missing: set both",
+        ),
+        (
+            "types.paths = ['/nowhere']\n",
+            "PATH:1: types.paths: /nowhere: no such file or directory",
+        ),
+        ("log.level = 3\n", "PATH:1: log.level: got 3, expected debug, info, warning or error"),
     ],
 )
 def test_check_config_looks_at_what_a_file_names(refused, tmp_path, text, sentence):
@@ -267,6 +303,17 @@ def test_print_config_tells_each_value_and_its_origin_without_serving(command):
     assert "max_clients = 7  # --set limits.max_clients\n" in finished.stdout
     assert "use_sim_time = true  # --use-sim-time\n" in finished.stdout
     assert tomllib.loads(finished.stdout)["path"] == "/"
+
+
+@pytest.mark.parametrize("command", [("serve",), ("demo",), ("demo", "--recorded")])
+def test_a_demonstration_reads_no_settings_of_the_machine(
+    command, tmp_path, monkeypatch, restored_signals, capsys
+):
+    (tmp_path / "config.toml").write_text("lan = true\n")
+    monkeypatch.setattr(files, "FOLDER", tmp_path)
+    assert cli.main([*command, "--print-config"]) == 0
+    is_open = tomllib.loads(capsys.readouterr().out)["lan"]
+    assert is_open == (command == ("serve",))
 
 
 def test_schema_prints_a_json_schema_by_name_short_name_and_number():
@@ -348,14 +395,15 @@ def test_a_demonstration_whose_port_is_in_use_starts_no_second_robot(flags, monk
 
 
 @pytest.mark.usefixtures("restored_signals")
-def test_without_ros_schema_prints_the_shipped_schema_of_a_service(monkeypatch, tmp_path, capsys):
+def test_without_ros_a_service_that_is_shipped_is_known(monkeypatch, tmp_path, capsys):
     monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
     monkeypatch.setattr(sys, "prefix", str(tmp_path))
     shipped = (ROOT / "schemas" / "json" / "std_srvs" / "srv" / "SetBool.json").read_text("utf-8")
     for form in ("std_srvs/srv/SetBool", "std_srvs/SetBool"):
         assert cli.main(["schema", form]) == 0
-        assert capsys.readouterr().out == shipped
-    assert cli.main(["schema", "std_srvs/SetBool", "--definition"]) == 2
+        known = json.loads(capsys.readouterr().out)["properties"]
+        assert known.keys() == json.loads(shipped)["properties"].keys()
+    assert cli.main(["schema", "own_srvs/Own", "--definition"]) == 2
     assert "name a folder with its definition by --types-path" in capsys.readouterr().err
 
 

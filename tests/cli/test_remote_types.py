@@ -110,23 +110,33 @@ async def test_a_pattern_that_the_gateway_has_no_type_for_is_refused(gateway):
     assert (code, sentence) == (2, "no known type fits own_msg/*, did you mean own_msgs/*")
 
 
-async def test_a_token_is_shown_by_argument_and_by_environment(tmp_path, monkeypatch):
+async def test_a_token_is_shown_by_a_file_and_by_environment(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     token = ros2_gateway("token", "create", "me", "--role", "viewer").stdout.strip()
+    file = tmp_path / "token"
+    file.touch(0o600)
+    file.write_text(f"{token}\n")
     async with gateway_process("serve", "--set", "access.authentication=token") as gateway:
         asked = ("typescript", "std_msgs/*", "--from", gateway.url, *TIMEOUT)
         texts = {
-            await asyncio.to_thread(generated, *asked, "--token", token),
+            await asyncio.to_thread(generated, *asked, "--token-file", str(file)),
             await asyncio.to_thread(generated, *asked, ROS2_GATEWAY_TOKEN=token),
         }
         (text,) = texts
         assert token not in text
         code, sentence = await said(*asked)
         assert code != 0
-        assert "use --token or ROS2_GATEWAY_TOKEN" in sentence
-        code, sentence = await said(*asked, "--token", "r2g_wrong")
+        assert "use --token-file or ROS2_GATEWAY_TOKEN" in sentence
+        file.write_text("r2g_wrong")
+        code, sentence = await said(*asked, "--token-file", str(file))
         assert (code, sentence.startswith(f"{gateway.url}: ")) == (1, True)
         assert "token" in sentence
+        file.chmod(0o644)
+        code, sentence = await said(*asked, "--token-file", str(file))
+        assert (code, sentence.endswith(f"run chmod o-rwx {file}")) == (2, True)
+        code, sentence = await said(*asked, "--token", token)
+        assert (code, "name that by --token-file" in sentence) == (2, True)
+        assert token not in sentence
 
 
 async def test_a_certificate_is_verified(tmp_path):

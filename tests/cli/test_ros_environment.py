@@ -101,7 +101,7 @@ def test_variables_of_ros_that_are_right_or_empty_let_it_start(monkeypatch):
 def test_a_peer_that_nobody_knows_is_one_sentence_with_what_to_do():
     # RFC 6761: a name that no machine has
     finished = ros2_gateway("serve", ROS_STATIC_PEERS="nobody.invalid")
-    assert (finished.returncode, finished.stdout) == (2, "")
+    assert (finished.returncode, finished.stdout) == (1, "")  # another start may find it
     sentence = finished.stderr.splitlines()[-1]  # first, it may tidy up after killed programs
     assert sentence.endswith("nobody.invalid. Correct its name in ROS_STATIC_PEERS, or remove it")
 

@@ -2,19 +2,26 @@
 """The unit that `ros2-gateway install-service` writes, read by systemd itself."""
 
 import os
+import shlex
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 
+from gateway.cli import main as cli
 from gateway.cli import service as service_module
 from gateway.cli.report import EXIT_NO_ROS, EXIT_USAGE
 from gateway.cli.service import Unit, install, unit_of
+from gateway.cli.tokens import own_command
+from gateway.config.files import Given
+from gateway.config.reference import example
+from gateway.config.settings import load
 from gateway.errors import RosMissingError, UsageError
 from tests.cli.test_main import refusal, ros2_gateway
 
 MAX_EXPOSURE = 30  # of systemd-analyze security, in tenths: 3.0 is "OK"
+LAN = load([Given("lan", "true", "--lan")])
 ODD = Path('/opt/my $ROS 100%/it\'s "here"/setup.bash')
 
 needs_systemd = pytest.mark.skipif(
@@ -34,6 +41,7 @@ def unit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The file that `install` writes. Nothing starts it."""
     path = tmp_path / "ros2-gateway.service"
     monkeypatch.setattr(service_module, "UNIT", path)
+    monkeypatch.setattr(service_module, "CONFIG", tmp_path / "etc/config.toml")
     monkeypatch.setattr(service_module, "_SYSTEMD_RUNS", tmp_path / "no")
     return path
 
@@ -63,27 +71,85 @@ def test_a_dry_run_prints_the_unit_with_the_ros_of_this_shell_and_changes_nothin
     assert not Path("/etc/systemd/system/ros2-gateway.service").exists()
 
 
+@pytest.mark.parametrize(
+    ("result", "waits"),
+    [("signal", ""), ("core-dump", ""), ("watchdog", ""), ("success", ""), ("exit-code", "2")],
+)
+def test_a_killed_gateway_starts_again_at_once_and_one_with_an_error_later(
+    tmp_path: Path, result: str, waits: str
+):
+    lines = Unit("root", [], [], {}).text.splitlines()
+    assert "RestartSec=100ms" in lines
+    (after,) = [line.partition("=")[2] for line in lines if line.startswith("ExecStopPost=")]
+    (tmp_path / "sleep").write_text('#!/bin/sh\nprintf "$1"\n')
+    (tmp_path / "sleep").chmod(0o755)
+    command = shlex.split(after.replace("$$", "$"))
+    environment = {"PATH": f"{tmp_path}", "SERVICE_RESULT": result}
+    assert subprocess.check_output(command, env=environment, text=True) == waits
+
+
 @needs_root
 def test_an_installation_says_what_it_did_and_how_to_go_on(unit: Path):
-    told = list(install(Unit("root", [], ["--lan"], {})))
-    assert told[0] == f"wrote {unit}"
-    assert "systemctl enable --now ros2-gateway" in told[1]
-    assert [line.split(":")[0] for line in told[2:]] == ["its log", "its token", "another"]
+    config = unit.parent / "etc/config.toml"
+    told = list(install(Unit("root", [], ["--lan"], {}), LAN))
+    assert told[:2] == [f"wrote {unit}", f"wrote {config}, in which every setting is a comment"]
+    assert "systemctl enable --now ros2-gateway" in told[2]
+    assert [line.split(":")[0] for line in told[3:]] == ["its log", "its token", "another"]
     assert unit.read_text() == Unit("root", [], ["--lan"], {}).text
+    assert config.read_text() == example()
+
+
+@needs_root
+def test_an_installation_keeps_the_configuration_and_names_the_file_of_its_tokens(unit: Path):
+    config = unit.parent / "etc/config.toml"
+    config.parent.mkdir()
+    config.write_text("lan = true\naccess.token_file = '/var/lib/robot/t.json'\n")
+    told = list(install(Unit("root", [], [], {}), load(file=config)))
+    assert config.read_text().startswith("lan = true\n")
+    assert "its token:  sudo cat /var/lib/robot/first-token" in told
+    assert told[-1].endswith(
+        " token --file /var/lib/robot/t.json create NAME --role viewer,"
+        " then sudo systemctl reload ros2-gateway"
+    )
+
+
+@needs_root
+def test_nothing_is_written_for_a_user_that_cannot_read_the_configuration(unit: Path):
+    config = unit.parent / "robot.toml"
+    config.touch(0o600)
+    with pytest.raises(UsageError, match=rf"^nobody cannot read {config}: run chmod a\+r"):
+        list(install(Unit("nobody", [], [], {}), load(file=config)))
+    assert not unit.exists()
 
 
 @needs_root
 def test_nothing_is_written_for_a_user_that_cannot_run_the_gateway(unit: Path, monkeypatch):
-    monkeypatch.setattr(service_module, "_gateway", lambda: ["/root/none/ros2-gateway"])
+    monkeypatch.setattr(service_module, "own_command", lambda: ["/root/none/ros2-gateway"])
     with pytest.raises(UsageError, match=r"^nobody cannot run /root/none/ros2-gateway \("):
-        list(install(Unit("nobody", [], [], {})))
+        list(install(Unit("nobody", [], [], {}), load()))
     assert not unit.exists()
+
+
+def test_a_token_for_a_shell_comes_with_the_command_for_the_service(
+    unit: Path, tmp_path: Path, monkeypatch, capsys, restored_signals
+):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    assert cli.main(["token", "create", "a"]) == 0
+    assert "service" not in capsys.readouterr().err
+    unit.write_text(Unit("robot", [], [], {}).text)
+    assert cli.main(["token", "create", "b"]) == 0
+    create = f"{shlex.join(own_command())} token --file {service_module.TOKENS} create NAME"
+    last = capsys.readouterr().err.splitlines()[-1]
+    others = "the service of this machine has other tokens"
+    assert last == f"{others}: sudo -u robot {create} --role viewer"
+    assert cli.main(["token", "--file", str(tmp_path / "t.json"), "create", "c"]) == 0
+    assert "service" not in capsys.readouterr().err
 
 
 def test_only_root_installs(unit: Path, monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
     with pytest.raises(UsageError, match="sudo"):
-        list(install(Unit("root", [], [], {})))
+        list(install(Unit("root", [], [], {}), load()))
     assert not unit.exists()
 
 

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from gateway.config.files import Given
 from gateway.config.model import Config
-from gateway.config.settings import Given, load, settings, to_toml
+from gateway.config.settings import load, settings, to_toml
 from gateway.errors import ConfigError
 from schemas.backports import tomllib
 
@@ -32,12 +33,12 @@ def test_without_sources_everything_is_default():
 def test_a_flag_beats_the_environment_which_beats_the_file_which_beats_the_default(tmp_path):
     path = toml(tmp_path, 'port = 1\nhost = "file"\n[limits]\nmax_clients = 3\n')
     environment = {"ROS2_GATEWAY_PORT": "2", "ROS2_GATEWAY_HOST": "environment"}
-    config, origins = load([Given("port", "4", "--port")], environment, path)
+    config, origins, *_ = load([Given("port", "4", "--port")], environment, path)
     assert (config.port, config.host, config.limits.max_clients) == (4, "environment", 3)
     assert config.path == "/"
     assert origins["port"] == "--port"
     assert origins["host"] == "ROS2_GATEWAY_HOST"
-    assert origins["limits.max_clients"] == str(path)
+    assert origins["limits.max_clients"] == f"{path}:4"
     assert origins["path"] == "default"
 
 
@@ -124,9 +125,9 @@ def test_every_key_can_be_set_by_its_variable():
 def test_a_wrong_value_is_named_with_its_file_and_key_and_what_was_expected(tmp_path):
     path = toml(tmp_path, 'port = "x"\n[limits]\nopen_timeout_s = 0\n[ros]\nuse_sim_time = 1\n')
     assert problems(file=path) == (
-        f"{path}: port: got 'x', expected an integer from 0 to 65535",
-        f"{path}: limits.open_timeout_s: got 0, expected a number above 0 and up to 3600",
-        f"{path}: ros.use_sim_time: got 1, expected true or false",
+        f"{path}:1: port: got 'x', expected an integer from 0 to 65535",
+        f"{path}:3: limits.open_timeout_s: got 0, expected a number above 0 and up to 3600",
+        f"{path}:5: ros.use_sim_time: got 1, expected true or false",
     )
 
 
@@ -175,11 +176,11 @@ def test_an_unknown_key_is_refused_with_the_closest_one(tmp_path):
         "prt = 3\nmax_clients = 3\n[limits]\nmax_client = 3\n[sauce]\nx = 1\n[image]\nx = 1\n",
     )
     assert problems(file=path) == (
-        f"{path}: unknown setting prt, did you mean port",
-        f"{path}: unknown setting max_clients, did you mean limits.max_clients",
-        f"{path}: unknown setting limits.max_client, did you mean limits.max_clients",
-        f"{path}: unknown setting sauce",
-        f"{path}: unknown setting image, did you mean images",
+        f"{path}:1: unknown setting prt, did you mean port",
+        f"{path}:2: unknown setting max_clients, did you mean limits.max_clients",
+        f"{path}:4: unknown setting limits.max_client, did you mean limits.max_clients",
+        f"{path}:5: unknown setting sauce",
+        f"{path}:7: unknown setting image, did you mean images",
     )
 
 
@@ -195,7 +196,7 @@ def test_the_token_of_a_client_is_not_a_setting():
 
 def test_a_value_in_the_place_of_a_table_is_refused(tmp_path):
     path = toml(tmp_path, "limits = 3\n")
-    assert problems(file=path) == (f"{path}: limits: got 3, expected a table",)
+    assert problems(file=path) == (f"{path}:1: limits: got 3, expected a table",)
 
 
 def test_mistakes_of_all_sources_are_reported_at_once(tmp_path):
