@@ -53,6 +53,8 @@ test: lint $(CLIENTS) ## check and test, in seven minutes, or in half an hour wi
 	@$(BIN)/python -m tests.interfaces
 	@sh tools/make-mono.sh
 	@sh tools/make-browser.sh
+	@sh tools/make-haproxy.sh
+	@sh tools/make-colcon.sh $(VENV)
 	@$(if $(PYTEST_ARGS),:,echo "testing takes about $(DURATION) on two cores, the first time some minutes more ...")
 	$(BIN)/python -m pytest $(WORKERS) $(if $(findstring tests/,$(PYTEST_ARGS)),,$(SELECTION)) $(PYTEST_ARGS)
 
@@ -62,10 +64,10 @@ kilted: $(READY_ON_KILTED) ## test what depends on ROS with ROS 2 Kilted, in .ve
 
 oldest: $(READY_ON_OLDEST) ## test with Python 3.10, the oldest, in .venv-oldest (make oldest PYTHON=/path/to/python3.10)
 	@$(OLDEST)/bin/python -m tests.interfaces
-	$(OLDEST)/bin/python -m pytest $(WORKERS) $(or $(ARGS),tests/sources tests/codec tests/config tests/transport)
+	$(OLDEST)/bin/python -m pytest $(WORKERS) $(or $(ARGS),$(filter-out tests/sources/%,$(TESTS_OF_ROS)) tests/sources tests/codec tests/config tests/transport)
 
 # Generated pages, and the text of the licence.
-NOT_LINTED := docs/reference/messages.md docs/reference/services.md unity_client/LICENSE.md
+NOT_LINTED := docs/reference/messages.md docs/reference/services.md $(wildcard unity_client/*/LICENSE.md)
 
 lint: $(READY_FOR_TESTS) ## check style, types, layers, and spelling
 	$(BIN)/ruff check

@@ -16,6 +16,7 @@ from gateway.access.posture import Posture, posture_of
 from gateway.access.tokens import TokenFileError, Tokens
 from gateway.config.access import TlsConfig
 from gateway.config.model import Config
+from gateway.config.secrets import exposure
 from gateway.errors import ConfigError, system_reason
 
 
@@ -68,6 +69,13 @@ def tls_context(config: TlsConfig) -> ssl.SSLContext | None:
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     load_certificate(context, config)
     return context
+
+
+def exposed_secrets(config: Config) -> list[str]:
+    """Return a sentence for each file with secrets that every user of this machine can read."""
+    keys = [config.tls.key or config.tls.cert]
+    paths = [token_path(config), *(Path(key) for key in keys if key is not None)]
+    return [sentence for path in paths if (sentence := exposure(path))]
 
 
 def now_text() -> str:

@@ -2,59 +2,50 @@
 """The composition root: builds the parts, owns signals and shutdown."""
 
 import asyncio
-import errno
 import logging
-import math
 import os
 import secrets
 import signal
 import socket
-import threading
-from collections.abc import Callable, Iterator, Sequence
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, contextmanager
 from dataclasses import dataclass
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
+from gateway.access.permissions import Policy
 from gateway.access.posture import Posture
+from gateway.access.tokens import Tokens
 from gateway.backports import Runner
 from gateway.codec.image import confine_to_calling_thread
-from gateway.codec.types import Types
 from gateway.config.model import Config
-from gateway.core.missing_parts import complete
-from gateway.core.router import Router
 from gateway.definitions import known_definitions
 from gateway.diagnostics import publishing
 from gateway.ending_signals import ENDING
-from gateway.errors import ConfigError, system_reason
-from gateway.faults import Fault
-from gateway.fronts.pictures.front import Pictures
+from gateway.errors import ConfigError
+from gateway.forced_end import forced_end
 from gateway.fronts.rosbridge.front import RosbridgeFront
-from gateway.log_fields import counted, text_of
-from gateway.log_rate import LogRate
+from gateway.log_fields import counted
+from gateway.loop_errors import LoopErrors
 from gateway.memory import exempt_from_collection, keep_large_blocks, returning_free_memory
+from gateway.rosout import logging_to_rosout
 from gateway.security import Security, open_security
 from gateway.service_manager import reporting_to_systemd
-from gateway.sources.rclpy.configured import open_source as open_rclpy
-from gateway.sources.source import Diagnosis, LogLevel, Source
-from gateway.start import Start
-from gateway.transport.admission import Admission
-from gateway.transport.front import Front, Fronts
+from gateway.serving import FindFaults, OpenFront, common_parts, serving
+from gateway.source_tasks import SourceTasks, unless
+from gateway.sources.source import Source
 from gateway.transport.lan_discovery import MAX_PATH, FoundGateway, answering_questions
 from gateway.transport.listening import ListenPort
-from gateway.transport.server import Server
 from gateway.transport.static_files import PAGES, StaticFiles
+from gateway.uplink.configured import uplink_of
 from schemas.installed import InstalledDefinitions
-from schemas.table import Table
 
 logger = logging.getLogger("gateway")
 
 _STANDARD_STREAMS: Final = (0, 1, 2)
-SHUTDOWN_S: Final = 1.8  # of the 2 s that there are
-WARN_AGAIN_S: Final = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +73,6 @@ class Listening:
 
 
 OpenSource = Callable[[Config, InstalledDefinitions], AbstractAsyncContextManager[Source]]
-OpenFront = Callable[[Router], Front]
 Announce = Callable[[Listening], Callable[[], None]]
 
 
@@ -105,17 +95,23 @@ def run(
     Raises:
         KeyboardInterrupt: the process *was_interrupted* before it handled signals itself.
         BindError: the address or port cannot be listened on.
-        ConfigError: the source refuses its part of the configuration, or two fronts exclude each
-            other.
+        ConfigError: two fronts exclude each other.
         RosMissingError: rclpy is missing.
+        RosStartError: ROS does not start.
     """
-    with Runner(loop_factory=_loop_factory()) as runner:
+    if open_source is None:
+        from gateway.sources.rclpy.configured import open_source as open_rclpy
+
+        open_source = open_rclpy
+    keep_large_blocks()
+    confine_to_calling_thread()
+    with Runner(loop_factory=loop_factory()) as runner:
         return runner.run(
             _serve(
                 config,
                 announce,
                 load,
-                open_source or open_rclpy,
+                open_source,
                 (RosbridgeFront, *open_fronts),
                 was_interrupted,
             )
@@ -130,81 +126,64 @@ async def _serve(
     open_fronts: Sequence[OpenFront],
     was_interrupted: Callable[[], bool],
 ) -> int:
-    keep_large_blocks()
-    confine_to_calling_thread()
-    asyncio.get_running_loop().set_exception_handler(_LoopErrors())
+    asyncio.get_running_loop().set_exception_handler(LoopErrors())
     stop, hung_up = asyncio.Event(), asyncio.Event()
-    _handle_signals(stop, hung_up, was_interrupted)
+    handle_signals(stop, hung_up, was_interrupted)
     async with AsyncExitStack() as stack:
-        end_by_force = stack.enter_context(_forced_end())
+        end_by_force = stack.enter_context(forced_end())
         security = stack.enter_context(open_security(config))
         definitions = known_definitions(config.types.paths, "types.paths")
-        source = await stack.enter_async_context(open_source(config, definitions))
-        ros = complete(source)
-        stack.enter_context(_logging_to(ros.diagnosis))
-        workers = stack.enter_context(_workers(config.images.workers))
-        types = Types(definitions)
-        router = Router(
-            ros,
-            types,
-            Table.load(),
-            limits=config.limits,
-            workers=workers,
-            version=version("ros2-json-gateway"),
-            audit=security.audit,
-            control=config.control,
-            image_format=config.images.default_format,
-        )
-        stack.callback(router.close)
-        start = Start(router.control)
-        server = Server(
-            router,
-            Fronts(*(open_front(router) for open_front in open_fronts)),
-            Pictures(router),
-            limits=config.limits,
-            path=config.path,
-            files=StaticFiles.read(PAGES, config.path),
-            trusted_proxies=config.trusted_proxies,
-            web_rules=security.rules,
-            admission=partial(Admission, security.authentication, config.access, security.audit),
-            version=version("ros2-json-gateway"),
-            find_faults=lambda: (*ros.diagnosis.faults(), *_others(security, start)),
-        )
-        ports = [ListenPort(config.port, security.tls)]
-        if config.tls.port is not None:
-            ports = [ListenPort(config.port), ListenPort(config.tls.port, security.tls)]
+        tasks = SourceTasks()
+        opening = stack.enter_async_context(open_source(config, definitions))
+        source = await unless(stop, tasks.watch(opening))
+        if source is None:
+            end_by_force()
+            return 0
+        workers = stack.enter_context(image_workers(config.images.workers))
+        files = StaticFiles.read(PAGES)
+        common = common_parts(config, security, workers, files, open_fronts)
+        find_faults: list[FindFaults] = [tasks.faults]
+        robot = stack.enter_context(serving(source, definitions, common, find_faults))
+        ros, server = robot.ros, robot.server
+        stack.enter_context(logging_to_rosout(ros.diagnosis))
+        uplink = await stack.enter_async_context(uplink_of(robot.router, robot.types, config))
+        find_faults.append(uplink.faults)
         addresses, *encrypted = await stack.enter_async_context(
-            server.listening(security.posture.hosts, *ports)
+            server.listening(security.posture.hosts, *listen_ports(config, security))
         )
-        reloading = asyncio.create_task(_reload_whenever(hung_up, load, security, server))
+        apply = (server.reload, lambda _, policy: uplink.reload(policy))
+        reloading = asyncio.create_task(reload_whenever(hung_up, load, security, apply))
         stack.callback(reloading.cancel)
         tls_port = encrypted[0][0][1] if encrypted else None
         stack.enter_context(_discoverable(config, security, addresses[0][1], tls_port))
         exempt_from_collection()
         stack.enter_context(returning_free_memory())
-        invite = announce(_listening(config, security, addresses, tls_port))
+        invite = announce(listening_as(config, security, addresses, tls_port))
         if ros.publishing.guard is not None:
             ros.publishing.guard.start()  # last: nobody waits for it to listen
         ready = stack.enter_context(reporting_to_systemd(os.environ))
-        stack.enter_context(start.inviting(invite, ready))
+        stack.enter_context(robot.start.inviting(invite, ready))
         if config.ros.diagnostics and source.publishing is not None:
-            name = config.ros.node_prefix
-            reporting = publishing(source.publishing, source.now_ns, types, server.summary, name)
-            stack.enter_context(reporting)
+            what = (robot.types, server.summary, config.ros.node_prefix)
+            stack.enter_context(publishing(source.publishing, source.now_ns, *what))
         await stop.wait()
         end_by_force()
-        router.stop_robots()  # first: closing the connections takes up to a second
+        robot.router.stop_robots()  # first: closing the connections takes up to a second
         logger.info("shutting down")
     return 0
 
 
-def _others(security: Security, start: Start) -> Sequence[Fault]:
-    return (*security.audit_faults(), *start.faults())
+def listen_ports(config: Config, security: Security) -> Sequence[ListenPort]:
+    """Return the ports to listen on."""
+    if config.tls.port is None:
+        return [ListenPort(config.port, security.tls)]
+    return [ListenPort(config.port), ListenPort(config.tls.port, security.tls)]
 
 
-def _listening(
+def listening_as(
     config: Config, security: Security, addresses: Sequence[tuple[str, int]], tls_port: int | None
 ) -> Listening:
+    """Return what people need."""
     return Listening(
         addresses=addresses,
         path=config.path,
@@ -239,13 +218,17 @@ def _discoverable(
         yield
 
 
-def _handle_signals(
+def handle_signals(
     stop: asyncio.Event,
     hung_up: asyncio.Event,
     was_interrupted: Callable[[], bool],
 ) -> None:
     """Set *stop* when the process must end, and *hung_up* when it must reload."""
     loop = asyncio.get_running_loop()
+    if sys.platform == "win32":  # its event loop handles none, and none means to reload
+        for number in ENDING:
+            signal.signal(number, lambda *_: loop.call_soon_threadsafe(stop.set))
+        return
     for number in ENDING:
         loop.add_signal_handler(number, stop.set)
     is_kept = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # by nohup
@@ -269,8 +252,11 @@ def _is_terminal(descriptor: int) -> bool:
     return True
 
 
-async def _reload_whenever(
-    hung_up: asyncio.Event, load: Callable[[], Config], security: Security, server: Server
+async def reload_whenever(
+    hung_up: asyncio.Event,
+    load: Callable[[], Config],
+    security: Security,
+    apply: Iterable[Callable[[Tokens, Policy], None]],
 ) -> None:
     """Reload tokens, permissions, and certificate. After an error the old ones stay."""
     while True:
@@ -283,12 +269,13 @@ async def _reload_whenever(
             logger.error("not reloaded, the old configuration stays: %s", "; ".join(error.problems))
             security.audit.record("reload", successful=False)
             continue
-        server.reload(tokens, policy)
+        for each in apply:
+            each(tokens, policy)
         security.audit.record("reload", successful=True, tokens=len(tokens.known))
         logger.info("reloaded permissions and %s", counted(len(tokens.known), "token"))
 
 
-def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:
+def loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:
     """Return uvloop's if it is installed (extra `fast`): less CPU time per message."""
     try:
         import uvloop
@@ -298,89 +285,11 @@ def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:
     return factory
 
 
-class _LoopErrors:
-    """Reports what nobody awaits.
-
-    While no descriptor is left, asyncio tries a hundred times a second to accept a client. It tries
-    once more a second later, and raises ValueError if its server was closed.
-    """
-
-    def __init__(self) -> None:
-        self._warned_s = -math.inf
-
-    def __call__(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        error = context.get("exception")
-        if isinstance(error, ValueError) and "_start_serving" in context.get("message", ""):
-            return
-        if not isinstance(error, OSError) or error.errno not in {errno.EMFILE, errno.ENFILE}:
-            loop.default_exception_handler(context)
-        elif loop.time() - self._warned_s > WARN_AGAIN_S:
-            self._warned_s = loop.time()
-            logger.warning(
-                "no client can connect, %s: allow more, for example with `ulimit -n`",
-                system_reason(error),
-            )
-
-
 @contextmanager
-def _forced_end() -> Iterator[Callable[[], None]]:
-    """Lend a function that ends the process after `SHUTDOWN_S`, unless this context ends before.
-
-    A service manager that sends SIGTERM sends SIGKILL later, and a library may wait for long.
-    """
-
-    def end() -> None:
-        logger.error("shutdown has taken %g s, ending by force", SHUTDOWN_S)
-        os._exit(1)
-
-    timer = threading.Timer(SHUTDOWN_S, end)
-    timer.daemon = True
-    yield timer.start
-    timer.cancel()
-
-
-@contextmanager
-def _workers(count: int) -> Iterator[ThreadPoolExecutor]:
+def image_workers(count: int) -> Iterator[ThreadPoolExecutor]:
     """Lend threads for pictures. At the end, running jobs finish and the others never start."""
     workers = ThreadPoolExecutor(count, thread_name_prefix="picture")
     try:
         yield workers
     finally:
         workers.shutdown(wait=True, cancel_futures=True)
-
-
-@contextmanager
-def _logging_to(ros: Diagnosis) -> Iterator[None]:
-    """Send the gateway's own log to /rosout as well."""
-    handler = _RosoutHandler(ros, asyncio.get_running_loop())
-    logger.addHandler(handler)
-    try:
-        yield
-    finally:
-        logger.removeHandler(handler)
-
-
-class _RosoutHandler(logging.Handler):
-    def __init__(self, ros: Diagnosis, loop: asyncio.AbstractEventLoop) -> None:
-        super().__init__(logging.INFO)
-        self._ros = ros
-        self._loop = loop
-        self._rate = LogRate()
-        self.addFilter(self._rate)
-
-    def emit(self, record: logging.LogRecord) -> None:
-        for each in (*self._rate.overdue(), record):
-            self._log(each)
-
-    def _log(self, record: logging.LogRecord) -> None:
-        text = f"{record.name}: {text_of(record)}"
-        self._loop.call_soon_threadsafe(
-            self._ros.log, _ROS_LEVELS.get(record.levelno, "info"), text
-        )
-
-
-_ROS_LEVELS: Final[dict[int, LogLevel]] = {
-    logging.WARNING: "warning",
-    logging.ERROR: "error",
-    logging.CRITICAL: "error",
-}

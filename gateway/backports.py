@@ -6,18 +6,8 @@ from typing import Any
 
 if sys.version_info >= (3, 11):
     from asyncio import Runner, TaskGroup, timeout, timeout_at
-    from operator import call
 else:
-    from collections.abc import Callable
-    from typing import TypeVar
-
     from taskgroup import Runner, TaskGroup, timeout, timeout_at
-
-    _Result = TypeVar("_Result")
-
-    def call(function: Callable[..., _Result], *arguments: object) -> _Result:
-        """Call *function* and return what it returns."""
-        return function(*arguments)
 
 
 def tls_timeouts(handshake_s: float, shutdown_s: float) -> dict[str, Any]:
@@ -26,4 +16,4 @@ def tls_timeouts(handshake_s: float, shutdown_s: float) -> dict[str, Any]:
     return {"ssl_handshake_timeout": handshake_s, **later}
 
 
-__all__ = ["Runner", "TaskGroup", "call", "timeout", "timeout_at", "tls_timeouts"]
+__all__ = ["Runner", "TaskGroup", "timeout", "timeout_at", "tls_timeouts"]

@@ -6,18 +6,20 @@ from pathlib import Path
 
 from gateway.core.rosapi.interfaces import interfaces_prefix
 from gateway.errors import ConfigError
-from schemas.folders import SHIPPED
+from schemas.folders import SHIPPED, STANDARD
 from schemas.installed import InstalledDefinitions, installed_prefixes
 
 
 def known_definitions(paths: Iterable[str | Path], source: str) -> InstalledDefinitions:
     """Return what is installed, in the folders *paths*, and shipped with the gateway.
 
+    On a machine without ROS, the last of these are all that there is.
+
     Raises:
         ConfigError: a directory cannot be read. The text begins with *source*, which named it.
     """
     prefixes = [*installed_prefixes(), interfaces_prefix()]
-    folders = [*(Path(path).expanduser() for path in paths), SHIPPED]
+    folders = [*(Path(path).expanduser() for path in paths), SHIPPED, STANDARD]
     try:
         return InstalledDefinitions(prefixes, folders)
     except OSError as error:

@@ -7,7 +7,7 @@ Signals of timers and of a crash are not among them.
 import signal
 from typing import Final
 
-ENDING: Final = (
-    *(signal.SIGINT, signal.SIGTERM, signal.SIGQUIT),
-    *(signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU),
+_NAMES: Final = ("SIGINT", "SIGTERM", "SIGQUIT", "SIGUSR1", "SIGUSR2", "SIGXCPU")
+ENDING: Final = tuple(  # Windows has the first two
+    signal.Signals[name] for name in _NAMES if name in signal.Signals.__members__
 )

@@ -25,6 +25,16 @@ rclpy cannot be imported ({reason}). There are two ways to get it:
     and run in that distribution's own Python, or a venv of it made with --system-site-packages"""
 
 
+HOW_TO_GET_RECORDINGS: Final = (
+    "install the packages that read and write recordings, with pip install '.[record]' in the"
+    " source tree"
+)
+
+HOW_TO_GET_ZENOH: Final = (
+    "install the packages that speak Zenoh, with pip install '.[zenoh]' in the source tree"
+)
+
+
 def system_reason(error: OSError) -> str:
     """Return the words of the operating system for an error, without the path."""
     return (error.strerror or str(error)).lower()
@@ -62,6 +72,10 @@ class RosMissingError(GatewayError):
 
     def __init__(self, reason: str = "no module named rclpy") -> None:
         super().__init__(_HOW_TO_GET_ROS.format(reason=reason))
+
+
+class RosStartError(GatewayError):
+    """Raised when ROS does not start. The machine may let it start later."""
 
 
 class RobotDiedError(GatewayError):

@@ -18,7 +18,14 @@ from gateway.access.permissions import Policy
 from gateway.access.posture import Posture
 from gateway.access.tokens import TokenFileError, Tokens, make_token
 from gateway.access.web_rules import WebRules
-from gateway.access_files import load_certificate, now_text, read_access, read_tokens, token_path
+from gateway.access_files import (
+    exposed_secrets,
+    load_certificate,
+    now_text,
+    read_access,
+    read_tokens,
+    token_path,
+)
 from gateway.config.model import Config
 from gateway.faults import Fault
 from gateway.transport.http import own_names
@@ -70,6 +77,8 @@ def open_security(config: Config) -> Iterator[Security]:
         ConfigError: the configuration contradicts itself, or a file that it names is unusable.
     """
     posture, tls, authentication = read_access(config)
+    for sentence in exposed_secrets(config):
+        logger.warning("%s", sentence)
     path = token_path(config)
     new_token = None
     if posture.needs_token and not authentication.tokens.known:

@@ -141,7 +141,7 @@ class _Trial:
 
     def __init__(self) -> None:
         self._loop = asyncio.new_event_loop()
-        self._task = self._loop.create_task(why_types_cannot_be_made())
+        self._task = why_types_cannot_be_made(self._loop)
 
     def has_ended(self) -> bool:
         self._loop.run_until_complete(asyncio.wait({self._task}, timeout=_SLICE_S))

@@ -18,8 +18,8 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 
+from gateway.sources.goal_ids import with_goal_id
 from gateway.sources.rclpy import fast_dds
-from gateway.sources.rclpy.goal_ids import with_goal_id
 from gateway.sources.rclpy.rclpy_private.handles import request_taker, response_sender
 from gateway_sim.any_types import AnyAction
 

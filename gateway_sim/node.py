@@ -33,6 +33,7 @@ from gateway_sim.navigator import NAVIGATE, Navigator
 from gateway_sim.robot import MAX_LINEAR, SILENCE_NS, DismissedError, Event, Robot
 from gateway_sim.robot_description import urdf
 from gateway_sim.robot_frames import TF_MESSAGE, RobotFrames
+from gateway_sim.scenery import Scenery
 from gateway_sim.world import Pose, furnished_room
 
 _STATE_NS: Final = 1_000_000_000 // 30  # odometry, transforms, inertia and joints: 30 Hz
@@ -142,6 +143,7 @@ class SimulatedRobot:
         self._description = self._node.create_publisher(String, "robot_description", latched)
         self._description.publish(String(data=urdf()))
         self._transforms = RobotFrames(self._node, self._frames)
+        self._scenery = Scenery(self._node, self._world)
 
     def _listen(self) -> None:
         node = self._node
@@ -254,6 +256,9 @@ class SimulatedRobot:
             ),
         )
 
+        self._scenery.publish_points(self._header("base_scan"), self._robot)
+        self._scenery.publish_way(self._header("map"), self._robot)
+
     def _publish_camera(self, topics: CameraTopics) -> None:
         self._step()
         topics.publish(self._header("camera_rgb_optical_frame"), self._robot.pose)
@@ -270,6 +275,7 @@ class SimulatedRobot:
             lambda: robot_messages.battery_state(self._header("base_link"), battery),
         )
         robot_messages.offer(self._diagnostics, self._diagnosis)
+        self._scenery.publish_markers(self._header("map"))
 
     def _diagnosis(self) -> DiagnosticArray:
         robot, battery = self._robot, self._battery

@@ -104,10 +104,14 @@ class Robot:
     @property
     def distance_left(self) -> float:
         """Metres of the way to the goal, 0 without one."""
+        return sum(math.dist(start, end) for start, end in itertools.pairwise(self.way))
+
+    @property
+    def way(self) -> list[Point]:
+        """The corners from the robot to its goal, both included. Empty without a goal."""
         if self._goal is None:
-            return 0.0
-        points = [self.pose[:2], *self._way, self._goal[:2]]
-        return sum(math.dist(start, end) for start, end in itertools.pairwise(points))
+            return []
+        return [self.pose[:2], *self._way, self._goal[:2]]
 
     @property
     def parked(self) -> bool:

@@ -24,6 +24,22 @@ if sys.version_info < (3, 11):
     for name in ("Never", "Self", "assert_never"):
         setattr(typing, name, getattr(typing_extensions, name))
 
+    from taskgroup.tasks import task_factory
+
+    class _Policy(asyncio.DefaultEventLoopPolicy):
+        """Loops whose tasks know `uncancel` from the start.
+
+        A TaskGroup moves the coroutine of another task into such a task until it is left. A fixture
+        that yields in a TaskGroup ends its coroutine before that, and the first task runs it again.
+        """
+
+        def new_event_loop(self) -> asyncio.AbstractEventLoop:
+            loop = super().new_event_loop()
+            loop.set_task_factory(task_factory)
+            return loop
+
+    asyncio.set_event_loop_policy(_Policy())
+
 # Also where the developer's shell is set up for a real robot: no test may ever move it.
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["ROS_DOMAIN_ID"] = str(dds_domain.claim())
@@ -37,6 +53,13 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 WORKERS_PER_CORE = 2  # tests wait half of their time: for DDS, processes, a robot that drives
 MAX_WORKERS = 8  # more collect tests for longer than they run them
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let asyncio of Python 3.10 forget a failed handshake without closing its transport."""
+    if sys.version_info < (3, 11):
+        unclosed = "ignore:unclosed transport <asyncio.sslproto:ResourceWarning"
+        config.addinivalue_line("filterwarnings", unclosed)
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -42,13 +42,16 @@ async def gateway_process(
     *arguments: str,
     module: str = "tests.patient_gateway",
     before: Sequence[str] = (),
+    program: Sequence[str] = (),
 ) -> AsyncIterator[GatewayProcess]:
     """Run ``ros2-gateway COMMAND``, or another *module*, on a free port until the context ends.
 
-    *before* is a command that executes the one which follows it.
+    *before* is a command that executes the one which follows it. *program* is run as it is, in
+    place of the command.
     """
+    run = program or (*before, sys.executable, "-m", module, command)
     process = await asyncio.create_subprocess_exec(
-        *(*before, sys.executable, "-m", module, command, "--port", "0", *arguments),
+        *(*run, "--port", "0", *arguments),
         stdout=PIPE,
         stderr=PIPE,
     )

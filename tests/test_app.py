@@ -18,15 +18,17 @@ from typing import Any
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from gateway import app
+from gateway import app, forced_end
 from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
 from gateway.config.model import Config, RosConfig, TypesConfig
 from gateway.definitions import known_definitions
 from gateway.guard import MARGIN_S, supervisor
 from gateway.log_rate import BURST
+from gateway.loop_errors import LoopErrors
+from gateway.rosout import logging_to_rosout
 from gateway.sources.rclpy import RosOptions, configured, deferred_destruction
-from gateway.transport import server
+from gateway.transport import connections
 from schemas.installed import InstalledDefinitions
 from tests.client import TIMEOUT_S, client
 from tests.gateway_process import gateway_process
@@ -69,14 +71,14 @@ def test_the_guard_gets_the_configured_deadline_and_the_nodes_domain():
     config = Config(ros=CONFIG.ros, control=ControlConfig(deadline_s=1.25))
     options = json.loads(configured.guard_of(config).command[-1])
     assert options["silence_ns"] == pytest.approx((1.25 + MARGIN_S) * 1e9)
-    assert options["domain_id"] == 7
+    assert options["node"]["domain_id"] == 7
 
 
 async def test_no_traceback_if_the_server_closed_before_asyncio_accepts_again(
     caplog: pytest.LogCaptureFixture,
 ):
     loop = asyncio.SelectorEventLoop()
-    loop.set_exception_handler(app._LoopErrors())
+    loop.set_exception_handler(LoopErrors())
     listening = socket.socket()
     listening.close()
     try:  # asyncio does this a second after a lack of descriptors
@@ -92,7 +94,7 @@ async def test_no_traceback_if_the_server_closed_before_asyncio_accepts_again(
 
 def test_refused_connections_are_logged_every_10_s(caplog: pytest.LogCaptureFixture):
     loop: Any = SimpleNamespace()
-    errors = app._LoopErrors()
+    errors = LoopErrors()
     said = []
     for now_s in (0.0, 9.9, 10.1, 20.0, 20.2):
         loop.time = lambda now_s=now_s: now_s
@@ -141,7 +143,7 @@ async def test_rosout_gets_client_and_topic_and_no_flood():
     ros = FakeRos()
     logger = logging.getLogger("gateway.test")
     extra = {"client": "10.0.0.5#1", "topic": "/cmd_vel"}
-    with app._logging_to(ros):
+    with logging_to_rosout(ros):
         for _ in range(1000):
             logger.warning("stopped", extra=extra)
         logger.warning("ours")
@@ -184,12 +186,19 @@ async def test_the_limits_and_the_path_reach_the_router_and_the_server():
                     await third.sync()
 
 
+def test_an_interrupt_before_signals_are_handled_ends_the_start(monkeypatch: pytest.MonkeyPatch):
+    loop = SimpleNamespace(add_signal_handler=lambda *_: None)
+    monkeypatch.setattr(app.asyncio, "get_running_loop", lambda: loop)
+    with pytest.raises(KeyboardInterrupt):
+        app.handle_signals(asyncio.Event(), asyncio.Event(), lambda: True)
+
+
 def test_a_shutdown_that_takes_too_long_ends_by_force(monkeypatch: pytest.MonkeyPatch):
     codes: list[int] = []
     ended = threading.Event()
-    monkeypatch.setattr(app, "SHUTDOWN_S", 0.01)
-    monkeypatch.setattr(app.os, "_exit", lambda code: (codes.append(code), ended.set()))
-    with app._forced_end() as end_by_force:
+    monkeypatch.setattr(forced_end, "SHUTDOWN_S", 0.01)
+    monkeypatch.setattr(forced_end.os, "_exit", lambda code: (codes.append(code), ended.set()))
+    with forced_end.forced_end() as end_by_force:
         end_by_force()
         assert ended.wait(TIMEOUT_S)
     assert codes == [1]
@@ -198,9 +207,9 @@ def test_a_shutdown_that_takes_too_long_ends_by_force(monkeypatch: pytest.Monkey
 def test_a_shutdown_in_time_does_not_end_by_force(monkeypatch: pytest.MonkeyPatch):
     timers: list[threading.Timer] = []
     monkeypatch.setattr(
-        app.threading, "Timer", lambda *args: timers.append(Timer(*args)) or timers[0]
+        forced_end.threading, "Timer", lambda *args: timers.append(Timer(*args)) or timers[0]
     )
-    with app._forced_end() as end_by_force:
+    with forced_end.forced_end() as end_by_force:
         end_by_force()
     (timer,) = timers
     assert timer.interval < 2
@@ -255,5 +264,5 @@ async def test_a_shutdown_stops_robots_before_it_waits_for_clients():
 
 
 def test_the_waits_of_a_shutdown_fit_into_its_time():
-    waits_s = (server.MAX_GOODBYE_S, supervisor.END_S, deferred_destruction.SHUTDOWN_S)
-    assert sum(waits_s) < app.SHUTDOWN_S < 2
+    waits_s = (connections.MAX_GOODBYE_S, supervisor.END_S, deferred_destruction.SHUTDOWN_S)
+    assert sum(waits_s) < forced_end.SHUTDOWN_S < 2

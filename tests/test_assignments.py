@@ -25,28 +25,6 @@ EXCEPTIONS = {
         "socket.room_bytes",
         "subscription.offered",
     },
-    # the state of a client, which its connection and the router set
-    "gateway/core/commands/command_topic.py": {"session.refused"},
-    "gateway/core/router.py": {
-        "session.address",
-        "session.check_share",
-        "session.deferred",
-        "session.drives",
-        "session.image_format",
-        "session.on_forbidden",
-    },
-    "gateway/core/topics/published_pictures.py": {"session.replaced"},
-    "gateway/transport/admission.py": {"session.authenticate", "session.identity"},
-    "gateway/transport/connection.py": {
-        "self._session.is_behind",
-        "self._session.next_turn",
-        "self._session.spend",
-        "self._session.waited_s",
-    },
-    "gateway/transport/inbound.py": {"session.is_overtaken"},
-    "gateway/transport/inbound_text.py": {"session.on_unreadable"},
-    "gateway/transport/server.py": {"session.client"},
-    "gateway/transport/url_options.py": {"session.image_format"},
 }
 
 

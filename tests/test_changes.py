@@ -15,7 +15,7 @@ FRAGMENTS = sorted(
     for path in (ROOT / "changes").rglob("*")
     if path.suffix != ".toml" and path.is_file() and path.name != "README.md"
 )
-CHANGELOGS = [ROOT / "CHANGELOG.md", ROOT / "unity_client/CHANGELOG.md"]
+CHANGELOGS = [ROOT / "CHANGELOG.md", ROOT / "unity_client/client/CHANGELOG.md"]
 
 
 def words(line: str) -> int:

@@ -85,7 +85,7 @@ TESTS = {
         "transport/test_server.py::test_a_client_that_answers_no_ping_stays_and_a_late_answer_is_measured",
     ],
     "**Durability:**": [
-        "sources/rclpy/test_qos.py::test_reliable_and_transient_local_only_if_all_are",
+        "sources/test_qos.py::test_reliable_and_transient_local_only_if_all_are",
     ],
     "**Images:**": [
         f"{SUBSCRIPTIONS}::test_an_image_comes_as_jpeg_in_the_shape_of_compressed_image",

@@ -8,13 +8,9 @@ REPOSITORY = Path(__file__).parents[1]
 ROOTS = ("gateway", "gateway_sim", "schemas", "benchmarks", "tools")
 GENERATED = "schemas/models/"
 MAX_FILE_LINES = 350
-# files that have yet to be split by idea, each with room for a few lines
+# files that read best as one
 LONGER = {
-    "benchmarks/hostile_frames.py": 365,
-    "gateway/app.py": 390,
-    "gateway/core/outbox.py": 370,
-    "gateway/core/requests.py": 400,
-    "gateway/fronts/rosbridge/session.py": 426,
+    "gateway/core/requests.py": 450,  # a catalogue: a class for each request, and their union
 }
 MAX_FUNCTION_LINES = 77  # Router.__init__ of gateway/core/router.py, one statement per part
 ONE_CASE_EACH = "_carry_out"  # grows by each operation, and stays as simple

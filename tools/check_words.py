@@ -23,16 +23,17 @@ RECORD = Path("tools/words.toml")
 NOT_OURS = (
     "schemas/models/",
     "gateway/fronts/pages/vendor/",
-    "unity_client/Runtime/Core/Messages/Generated/",
+    "unity_client/client/Runtime/Messages/Generated/",
     "docs/reference/messages.md",
     "docs/reference/services.md",
-    "unity_client/LICENSE.md",
+    *(f"unity_client/{one}/LICENSE.md" for one in ("client", "displays", "robots")),
 )
 SKIPPED_FOLDERS = {"node_modules", "__pycache__", "dist", "build", "site", "fixtures"}
 # The strings of these are texts that a user meets.
 HAVE_TEXTS = (
     *("gateway/", "gateway_sim/", "schemas/", "tools/"),
-    *("unity_client/Runtime/", "unity_client/Editor/"),
+    *(f"unity_client/{one}/Runtime/" for one in ("client", "displays", "robots")),
+    *(f"unity_client/{one}/Editor/" for one in ("client", "displays", "robots")),
 )
 HAVE_TEMPLATES = "schemas/generate/"
 ENDINGS = (".md", ".py", ".js", ".mjs", ".cs", ".css", ".html", ".sh", "Makefile", "Dockerfile")

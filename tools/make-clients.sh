@@ -19,9 +19,16 @@ mkdir -p "$clients/bin"
 pip_install --target "$clients/roslibpy-2.1.0" 'roslibpy==2.1.0'
 pip_install --target "$clients/roslibpy-1.8.1" --no-deps 'roslibpy==1.8.1'
 
+# Other programs that speak rmw_zenoh, and what the environment of the tests does not have of their dependencies.
+pip_install --target "$clients/zenoh-peers" --no-deps 'pyzeros==0.1.0' 'ros2-pyterfaces==0.3.0' 'cydr==0.2.0' \
+    'cyclonedds-idl==0.2.0' 'asyncio-for-robotics==1.5.1' 'zenoh-ros2-sdk==0.1.8' 'cython>=3' 'np2typing>=2.6' 'nptyping>=2.5' \
+    'msgspec>=0.19' 'setuptools>=70' 'gitpython>=3.1' 'gitdb>=4' 'smmap>=5' 'json5>=0.9' 'portalocker>=3' 'tqdm>=4'
+
 # .NET, which runs Roslyn, Microsoft's C# compiler. It is part of a package of Microsoft. Roslyn comes from npm below.
 pip_install --target "$clients/dotnetcore2-3.1" --no-deps 'dotnetcore2==3.1.23'
 chmod +x "$clients/dotnetcore2-3.1/dotnetcore2/bin/dotnet"
+# By it Python compiles the tests' driver of Roslyn, which compiles all else.
+pip_install --target "$clients/pythonnet-3.2.1" 'pythonnet==3.2.1'
 
 # roslib 2 needs Node 20. The Node of Debian and Ubuntu may be older.
 if command -v npm >/dev/null && node -e 'process.exit(parseInt(process.versions.node) < 20 ? 1 : 0)'; then

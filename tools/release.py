@@ -15,6 +15,7 @@ import threading
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 ROOT = Path(__file__).parents[1]
 DIST = ROOT / "dist"
@@ -42,13 +43,16 @@ class ReleaseError(Exception):
 
 def versions(root: Path = ROOT) -> dict[str, str]:
     """Return the version that each file of the tree names, by the file's path."""
-    changelogs = ("CHANGELOG.md", "unity_client/CHANGELOG.md")
+    changelogs = ("CHANGELOG.md", "unity_client/client/CHANGELOG.md")
     found = {path: _newest_release((root / path).read_text("utf-8")) for path in changelogs}
-    package = json.loads((root / "unity_client/package.json").read_text("utf-8"))
+    packages = [f"unity_client/{one}/package.json" for one in ("client", "displays", "robots")]
+    manifests = {path: json.loads((root / path).read_text("utf-8")) for path in packages}
     project = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["project"]
+    ros_package = ET.parse(root / "package.xml")  # noqa: S314  # our own
     return {
         "pyproject.toml": project["version"],
-        "unity_client/package.json": package["version"],
+        "package.xml": ros_package.findtext("version", "none"),
+        **{path: manifest["version"] for path, manifest in manifests.items()},
         **found,
     }
 
@@ -158,7 +162,7 @@ REMAINING = """
   1. Test what is released: make test ALL=1, then make kilted
   2. Tag it: git tag v{version}, then git push origin v{version}
   3. Upload it, if you publish to an index: twine upload dist/ros2_json_gateway-{version}*
-  4. Unity projects take the package unity_client/ from the tag: no upload is needed
+  4. Unity projects take the packages in unity_client/ from the tag: no upload is needed
 """
 
 

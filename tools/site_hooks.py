@@ -16,17 +16,23 @@ ROOT = Path(__file__).parents[1]
 # Directories of the tree, and the place of their pages in the site. The first that fits counts.
 PLACES = {
     "docs/": "",
-    "unity_client/Documentation~/": "unity/",
-    "unity_client/Samples~/": "unity/",
-    "unity_client/": "unity/package/",
+    "unity_client/client/Documentation~/": "unity/",
+    "unity_client/client/Samples~/": "unity/",
+    "unity_client/client/": "unity/client/",
+    "unity_client/displays/Documentation~/": "unity/",
+    "unity_client/displays/Samples~/": "unity/",
+    "unity_client/displays/": "unity/displays/",
+    "unity_client/robots/Documentation~/": "unity/",
+    "unity_client/robots/Samples~/": "unity/",
+    "unity_client/robots/": "unity/robots/",
 }
 OUTSIDE_DOCS = (
     "*.md",
     "docker/*.md",
     "benchmarks/**/*.md",
-    "schemas/**/*.md",
+    "schemas/definitions/*.md",
     "unity_client/**/*.md",
-    "unity_client/Documentation~/**/*.png",
+    "unity_client/*/Documentation~/**/*.png",
 )
 MERMAID = (
     Path(sys.prefix) / "clients/mermaid-11.17.2/node_modules/@mermaid-js/tiny/dist/mermaid.tiny.js"

@@ -47,6 +47,16 @@ class Audit:
         self._write = write
         self._level = level
         self._windows: dict[str, _Window] = {}
+        self._following: list[Callable[[str], None]] = []
+
+    def follow(self, write: Callable[[str], None]) -> None:
+        """Give each line to *write* as well, until `unfollow`."""
+        self._following.append(write)
+
+    def unfollow(self, write: Callable[[str], None]) -> None:
+        """Give no more lines to *write*. Doing so twice is harmless."""
+        if write in self._following:
+            self._following.remove(write)
 
     def record(self, event: str, *, client: str | None = None, **values: AuditValue) -> None:
         """Record an event. *event* is one of the gateway's own words, never a client's.
@@ -80,6 +90,8 @@ class Audit:
         logger.log(self._level, "%s", line, extra=extra)
         if self._write is not None:
             self._write(line)
+        for write in self._following:
+            write(line)
 
 
 def _shown(value: AuditValue) -> AuditValue:

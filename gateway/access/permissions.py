@@ -48,7 +48,7 @@ class Permissions:
     @property
     def is_unlimited(self) -> bool:
         """True if the role may do everything, so that nothing needs to be checked."""
-        return all(
+        return self.rules.record and all(
             "**" in getattr(self.rules, action) and not getattr(self.rules, f"deny_{action}")
             for action in ACTIONS
         )
@@ -70,6 +70,10 @@ class Permissions:
         """List the roles that may do this, of those that can be given."""
         all_roles = self._all_roles
         return [role for role in ROLES if role in all_roles and all_roles[role].may(action, name)]
+
+    def roles_that_record(self) -> list[Role]:
+        """List the roles that may record."""
+        return [role for role in ROLES if self._all_roles[role].rules.record]
 
     def _decide(self, action: Action, name: str) -> bool:
         # without permission for an action, a client must not reach its internal services

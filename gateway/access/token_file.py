@@ -2,9 +2,9 @@
 """The file with the hashes of the tokens."""
 
 import contextlib
-import fcntl
 import os
 import stat
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
@@ -36,7 +36,7 @@ def read(path: Path) -> Tokens:
         return Tokens()
     except OSError as error:
         raise TokenFileError(f"cannot read {path}, {system_reason(error)}") from error
-    if mode & (stat.S_IWGRP | stat.S_IWOTH):
+    if sys.platform != "win32" and mode & (stat.S_IWGRP | stat.S_IWOTH):
         raise TokenFileError(f"{path} can be changed by others: run chmod 600 {path}")
     if len(data) > MAX_FILE_BYTES:
         raise TokenFileError(f"{path} is not a token file: more than {MAX_FILE_BYTES} bytes")
@@ -82,6 +82,11 @@ def replace(path: Path, data: bytes) -> None:
 
 @contextlib.contextmanager
 def _locked(folder: Path) -> Iterator[None]:
+    if sys.platform == "win32":  # which cannot lock a directory: the last writer wins
+        yield
+        return
+    import fcntl
+
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX)

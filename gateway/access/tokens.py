@@ -17,9 +17,9 @@ from typing import Annotated, Final, Literal
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from gateway.config.access import Role
+from gateway.config.secrets import TOKEN_PREFIX
 from gateway.errors import UsageError
 
-PREFIX: Final = "r2g_"  # so that people, and scanners of logs and repositories, recognise one
 _RANDOM_BYTES: Final = 32
 MAX_TOKEN_CHARACTERS: Final = 256  # no token of this gateway is longer, so none is hashed
 MAX_TOKENS: Final = 1000  # each is compared: 0.3 ms in all
@@ -103,7 +103,7 @@ class Tokens:
 
 def make_token(name: str, role: Role, created: str) -> tuple[str, Token]:
     """Make a token, and return it, to be shown once, and what to keep of it."""
-    token = PREFIX + secrets.token_urlsafe(_RANDOM_BYTES)
+    token = TOKEN_PREFIX + secrets.token_urlsafe(_RANDOM_BYTES)
     return token, Token(name=name, role=role, created=created, sha256=digest_of(token).hex())
 
 

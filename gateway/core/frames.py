@@ -4,11 +4,16 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from struct import pack
 from typing import Literal, Protocol
 
+from gateway.codec.cdr import Encoder
 from gateway.codec.chunks import Chunks
+from gateway.codec.cloud import CLOUD
 from gateway.codec.nonfinite import NonFinite
+from gateway.codec.picture import COMPRESSED_IMAGE
 from gateway.codec.picture_message import PictureMessage
+from gateway.codec.types import Types
 
 Content = Literal["json", "cbor", "cdr"]
 """The forms in which the core gives messages to a front."""
@@ -107,3 +112,58 @@ class Framing(ABC):
         The *message* comes in pieces. Call *pause* between them, if there is one.
         """
         raise NotImplementedError
+
+
+class Unframed:
+    """Frames nothing: what comes from the core goes on as it is."""
+
+    def shared(self, message: bytes) -> bytes:
+        """Return the message."""
+        return message
+
+    message = shared
+
+    def per_client(self, message: bytes, _: PerClient) -> bytes:
+        """Return the message."""
+        return message
+
+    def shared_chunks(self, message: Chunks) -> Chunks:
+        """Return the message."""
+        return message
+
+    def per_client_chunks(self, message: Chunks, _: PerClient) -> Chunks:
+        """Return the message."""
+        return message
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlainFraming(Framing):
+    """Takes samples as they are. A picture or a thinned cloud becomes CDR again by *encode*."""
+
+    content: Content = "cdr"
+    encode: Encoder | None = field(default=None, compare=False)
+
+    @classmethod
+    def of_pictures(cls, types: Types) -> "PlainFraming":
+        """Return the framing of cameras."""
+        return cls(content="json", encode=types.get(COMPRESSED_IMAGE).compiled_encoder)
+
+    @classmethod
+    def of_clouds(cls, types: Types) -> "PlainFraming":
+        """Return the framing of clouds that stay clouds."""
+        return cls(content="json", encode=types.get(CLOUD).compiled_encoder)
+
+    def frames(self, topic: str) -> Unframed:
+        """Return what frames nothing."""
+        del topic
+        return Unframed()
+
+    def picture(self, picture: PictureMessage) -> bytes:
+        """Return the CDR, in which the bytes come last, after their number."""
+        assert self.encode is not None  # noqa: S101  # else there are no pictures
+        members, data = picture.members, picture.data
+        if "point_step" in members:  # of a cloud, a boolean follows
+            plain = self.encode({**members, "data": []}, 0)
+            return b"".join((plain[:-5], pack("<I", len(data)), data, plain[-1:]))
+        without_data = self.encode({name: members[name] for name in ("header", "format")}, 0)
+        return b"".join((without_data[:-4], pack("<I", len(data)), data))

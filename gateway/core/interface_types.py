@@ -11,7 +11,7 @@ from gateway.core.bad_type import bad_type
 from gateway.core.errors import ProtocolError
 from gateway.core.missing_parts import require
 from gateway.core.names import ActionName, ServiceName
-from gateway.sources.source import Ros
+from gateway.sources.source import Ros, RosError
 from schemas.definition import DefinitionError
 from schemas.installed import UnknownTypeError
 from schemas.interface import InterfaceKind
@@ -127,6 +127,8 @@ class InterfaceTypes:
         if not found:
             others = (each for each in known if each != name)  # it may have gone just now
             near = did_you_mean(name, others)
+            if not near and self._ros.refusal is not None:
+                raise RosError("not_found", self._ros.refusal)
             raise ProtocolError("not_found", f"{kind} {name} does not exist{near}")
         if not requested:  # some clients write an empty one
             if len(found) > 1:

@@ -7,7 +7,11 @@ from typing import Any, Final, Literal, cast
 from typing_extensions import Never
 
 from gateway.faults import Fault
-from gateway.sources.source import LogLevel, Ros, RosError, Source
+from gateway.interfaces import check_interface
+from gateway.sources.actions import Actions
+from gateway.sources.guard import Guard
+from gateway.sources.services import Services
+from gateway.sources.source import Diagnosis, LogLevel, Publishing, Ros, RosError, Source
 
 Part = Literal["publishing", "services", "actions", "guard"]
 
@@ -19,18 +23,29 @@ _WHY: Final[dict[Part, str]] = {
 }
 
 
-def refuse_part(part: Part) -> Never:
-    """Refuse a request to a missing part.
+def refuse_part(part: Part, refusal: str | None = None) -> Never:
+    """Refuse a request to a missing part. *refusal* is what the source says to all of them.
 
     Raises:
         RosError: ``not_found``, always.
     """
-    raise RosError("not_found", f"this source has no {part}: {_WHY[part]}")
+    raise RosError("not_found", refusal or f"this source has no {part}: {_WHY[part]}")
 
 
 def complete(source: Source) -> Ros:
-    """Return a source with all parts. Requests to a missing one are refused."""
+    """Return a source with all parts. Requests to a missing one are refused.
+
+    Raises:
+        ConfigError: the source, or a part that it has, lacks a method.
+    """
+    check_interface("source", source, Source)
     parts = (source.publishing, source.services, source.actions, source.diagnosis)
+    guard = source.publishing and source.publishing.guard
+    for part, interface in zip(
+        (*parts, guard), (Publishing, Services, Actions, Diagnosis, Guard), strict=True
+    ):
+        if part is not None:
+            check_interface("source", part, interface)
     return cast("Ros", _Completed(source) if None in parts else source)
 
 
@@ -41,7 +56,7 @@ def require(part: object) -> None:
         RosError: the source does not have this part.
     """
     if isinstance(part, Missing):
-        refuse_part(part.part)
+        refuse_part(part.part, part.refusal)
 
 
 class Missing:
@@ -49,11 +64,12 @@ class Missing:
 
     guard: Final = None
 
-    def __init__(self, part: Part) -> None:
+    def __init__(self, part: Part, refusal: str | None = None) -> None:
         self.part: Final = part
+        self.refusal: Final = refusal
 
     def __getattr__(self, _: str) -> Never:
-        refuse_part(self.part)
+        refuse_part(self.part, self.refusal)
 
 
 class _NoDiagnosis:
@@ -73,9 +89,9 @@ class _NoDiagnosis:
 class _Completed:
     def __init__(self, source: Source) -> None:
         self._source = source
-        self.publishing = source.publishing or Missing("publishing")
-        self.services = source.services or Missing("services")
-        self.actions = source.actions or Missing("actions")
+        self.publishing = source.publishing or Missing("publishing", source.refusal)
+        self.services = source.services or Missing("services", source.refusal)
+        self.actions = source.actions or Missing("actions", source.refusal)
         self.diagnosis = source.diagnosis or _NoDiagnosis()
 
     def __getattr__(self, name: str) -> Any:

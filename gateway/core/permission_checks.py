@@ -81,6 +81,38 @@ def check_publish(session: Session, topic: str) -> None:
         _check(session.identity.permissions, "publish", topic, "publishing on")
 
 
+def check_subscribe(session: Session, topic: str) -> None:
+    """Refuse to let a client have what was said on a topic that it may not subscribe to.
+
+    Raises:
+        ProtocolError: ``forbidden``, or ``not_found`` if the role does not see the name.
+    """
+    if session.is_restricted and session.identity is not None:
+        permissions = session.identity.permissions
+        if not permissions.sees(topic):
+            raise ProtocolError("not_found", unknown_topic(topic))
+        _check(permissions, "subscribe", topic, "subscribing to")
+
+
+def may_record(session: Session) -> bool:
+    """Return whether the role of a client may record."""
+    identity = session.identity if session.is_restricted else None
+    return identity is None or identity.permissions.rules.record
+
+
+def check_record(session: Session) -> None:
+    """Refuse to let a client record whose role may not.
+
+    Raises:
+        ProtocolError: ``forbidden``.
+    """
+    if session.identity is not None and not may_record(session):
+        permissions = session.identity.permissions
+        roles = permissions.roles_that_record()
+        who = f"requires role {' or '.join(roles)}" if roles else "is not allowed for any role"
+        raise ProtocolError("forbidden", f"recording {who}, and this client is {permissions.role}")
+
+
 def _check(permissions: Permissions, action: Action, name: str, doing: str, part: str = "") -> None:
     if permissions.may(action, name + part):
         return

@@ -2,13 +2,13 @@
 """The requests of clients, as the core carries them out: frozen, and without a wire format.
 
 A front makes them from what its clients send. A name is as the client wrote it, because some
-clients match answers by it. A `form` belongs to the front: the answer brings it back, and the core
-does not look at it.
+clients match answers by it. A `form` is the front's: the answer brings it back.
 """
 
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final, Literal, TypeAlias
 
+from gateway.codec.cloud import CloudOptions
 from gateway.codec.picture_formats import PICTURE_FORMATS
 from gateway.core.frames import Framing
 from gateway.sources.source import Qos
@@ -25,7 +25,7 @@ ImageFormat: TypeAlias = str
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """The base of all requests: an id that answers carry back."""
+    """The base of all requests, also of those of a front: an id that answers carry back."""
 
     kind: ClassVar[str]  # for people: logs, the audit, refusals
     # False if every client may do it, or if it is checked later. For all others
@@ -103,6 +103,7 @@ class Subscribe(Request):
     qos: Qos | None = None
     fields: tuple[str, ...] | None = None
     image: ImageRequest | None = None
+    cloud: CloudOptions | None = None
     meta: bool = False
     stale_after_ms: float | None = None
 
@@ -327,11 +328,15 @@ class Hello(Request):
 
 @dataclass(frozen=True, kw_only=True)
 class Ping(Request):
-    """Ask for the clocks. The answer repeats the value unchanged."""
+    """Ask for the clocks. The answer repeats the value unchanged.
+
+    ``clock_offset_ms`` is what the client adds to its clock to get the gateway's.
+    """
 
     kind = "ping"
     needs_permission = False
     value: Any = None
+    clock_offset_ms: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -386,3 +391,58 @@ class Events(Request):
     kind = "events"
     needs_permission = False
     watch: bool = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record(Request):
+    """Start or stop a recording, mark something in it, or ask for its state."""
+
+    kind = "record"
+    needs_permission = False  # checked for what changes a recording
+    action: Literal["start", "stop", "mark", "status"] = "status"
+    topics: tuple[str, ...] | None = None  # globs
+    images: Literal["raw", "jpeg"] = "raw"
+    task: str | None = None
+    operator: str | None = None
+    text: str | None = None
+    episode: Literal["start", "end"] | None = None
+    success: bool | None = None  # of the episode that ends
+    watch: bool | None = None  # False ends the changes
+
+
+AnyRequest: TypeAlias = (
+    Advertise
+    | Unadvertise
+    | Publish
+    | Subscribe
+    | Unsubscribe
+    | CallService
+    | AdvertiseService
+    | UnadvertiseService
+    | ServiceResponse
+    | SendActionGoal
+    | CancelActionGoal
+    | AdvertiseAction
+    | UnadvertiseAction
+    | ActionFeedback
+    | ActionResult
+    | ListParameters
+    | GetParameters
+    | SetParameters
+    | DescribeParameters
+    | LookupTransform
+    | CancelTransform
+    | Stop
+    | AcquireControl
+    | ReleaseControl
+    | Control
+    | Hello
+    | Ping
+    | Describe
+    | Generate
+    | FetchAsset
+    | GraphRequest
+    | Events
+    | Record
+)
+"""The requests that the core carries out. A front may have others, which it carries out itself."""

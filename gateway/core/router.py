@@ -8,7 +8,9 @@ from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
-from typing import Any, Protocol, TypeVar
+from typing import Any, Final, Protocol, TypeVar
+
+from typing_extensions import assert_never
 
 from gateway.access.audit import Audit
 from gateway.codec.types import Types
@@ -18,6 +20,7 @@ from gateway.core import requests
 from gateway.core.actions.client_actions import ClientActions
 from gateway.core.actions.goals import Goals
 from gateway.core.commands.commands import Commands
+from gateway.core.commands.interface import CommandTopics, OpenCommands
 from gateway.core.deadline import Deadline
 from gateway.core.entity_shares import EntityShares
 from gateway.core.errors import ProtocolError
@@ -27,7 +30,7 @@ from gateway.core.introspection.introspection import Introspection, seen_by
 from gateway.core.learned_types import LearnedTypes
 from gateway.core.names import resolve_topic
 from gateway.core.permission_checks import may_carry_out
-from gateway.core.requests import ImageFormat, Request
+from gateway.core.requests import AnyRequest, ImageFormat, Request
 from gateway.core.role_views import RoleViews
 from gateway.core.service_clients import ServiceClients
 from gateway.core.services.client_services import ClientServices
@@ -39,13 +42,14 @@ from gateway.core.topic_events import TopicEvents
 from gateway.core.topic_types import TopicTypes
 from gateway.core.topics.publications import Publications
 from gateway.core.topics.published_pictures import PublishedPictures
+from gateway.core.topics.subscription import TopicKey
 from gateway.core.topics.subscriptions import Subscriptions
 from gateway.core.transforms.lookups import TransformLookups
 from gateway.core.transforms.republications import Republications
 from gateway.core.transforms.tf_listener import TfListener
 from gateway.metrics.state import ControlState, Traffic
 from gateway.sources.graph import Graph
-from gateway.sources.source import Ros
+from gateway.sources.source import Qos, Ros
 from schemas.table import Table
 
 
@@ -57,6 +61,13 @@ class SessionOwner(Protocol):
 
 
 _Asked = TypeVar("_Asked", bound=Request)
+
+
+class RequestedRecorder(SessionOwner, Protocol):
+    """The part that makes recordings. It stands above the core."""
+
+    def carry_out(self, session: Session, request: requests.Record) -> None:
+        """Carry out a request."""
 
 
 class Router:
@@ -78,14 +89,15 @@ class Router:
         audit: Audit | None = None,
         control: ControlConfig | None = None,
         image_format: ImageFormat = "jpeg",
+        open_commands: OpenCommands | None = None,
     ) -> None:
         self._service_clients = ServiceClients(ros)
         self._learned = LearnedTypes(ros, types.definitions, self._on_types_learned)
         topic_types = TopicTypes(ros, types, table, self._learned.ask)
         interface_types = InterfaceTypes(ros, types)
         self.ros = ros
-        self.limits = limits
-        self._image_format = image_format
+        self.limits: Final = limits
+        self.image_format: Final = image_format
         self._audit = audit or Audit(time.time_ns, level=logging.DEBUG)
         self._counts = CountsByTopic()
         self._events = TopicEvents()
@@ -97,8 +109,9 @@ class Router:
         self._views = RoleViews(ros, types, self._service_clients)
         self._subscriptions = Subscriptions(ros, topic_types, workers, self._counts, self._events)
         watched = (ros.publishing.guard, self._audit, self._counts, self._events)
-        self._commands = Commands(ros, topic_types, control or ControlConfig(), *watched)
-        offering = (self._commands, self._counts, self._events)
+        here = partial(Commands, ros, control or ControlConfig(), *watched)
+        self.commands: Final[CommandTopics] = (open_commands or here)(topic_types)
+        offering = (self.commands, self._counts, self._events)
         pictures = PublishedPictures(ros, topic_types, workers)
         self._publications = Publications(ros, topic_types, *offering, pictures)
         self._service_calls = ServiceCalls(
@@ -115,8 +128,9 @@ class Router:
         self._transforms = TransformLookups(self._listener)
         self.republications = Republications(self._listener)
         self._of_fronts: list[SessionOwner] = []
+        self._recorder: RequestedRecorder | None = None
         descriptions = Descriptions(topic_types, interface_types, types.definitions)
-        self._introspection = Introspection(
+        self.introspection = Introspection(
             ros, descriptions, self._subscriptions, limits=limits, version=version
         )
         using = (
@@ -133,33 +147,36 @@ class Router:
         """Let a part of a front forget each session that leaves."""
         self._of_fronts.append(part)
 
-    def enter(self, session: Session, address: str = "") -> None:
+    def join_recorder(self, recorder: RequestedRecorder) -> None:
+        """Let a recorder, which is a client of the core, carry out the requests about it."""
+        self._recorder = recorder
+        self.join(recorder)
+
+    def enter(self, session: Session) -> None:
         """Take in a client that a front has opened a session for."""
-        session.address = address
-        session.image_format = self._image_format
-        session.check_share = partial(self._shares.check, session)
-        session.drives = partial(self._commands.is_driven_by, session)
-        session.on_forbidden = partial(self._record_forbidden, session)
-        self._shares.enter(session, address)
+        self._shares.enter(session, session.address)
         self._sessions.add(session)
 
-    def carry_out(
-        self, session: Session, request: Request, instead: Callable[[], None] | None = None
-    ) -> None:
-        """Carry out a request of a client. Every error is answered.
+    def carry_out(self, session: Session, request: AnyRequest) -> None:
+        """Carry out a request of a client. Every error is answered."""
+        if session.deferred and not isinstance(request, requests.Publish):
+            self.end_turn(session)
+        try:
+            if not session.is_restricted or may_carry_out(session, request):
+                self._carry_out(session, request)
+        except FAILURES as error:
+            refuse(session, request, error)
 
-        A front may do something *instead*: answer with transforms. Then the request takes the
-        permission that those take.
+    def permit(self, session: Session, request: Request, work: Callable[[], None]) -> None:
+        """Let a front carry out a request itself. Every error is answered.
+
+        It may answer with transforms: a request that needs a permission needs that for these.
         """
         if session.deferred and not isinstance(request, requests.Publish):
             self.end_turn(session)
         try:
-            is_of_tf = instead is not None
-            if not session.is_restricted or may_carry_out(session, request, is_of_tf=is_of_tf):
-                if instead is None:
-                    self._carry_out(session, request)
-                else:
-                    instead()
+            if not session.is_restricted or may_carry_out(session, request, is_of_tf=True):
+                work()
         except FAILURES as error:
             refuse(session, request, error)
 
@@ -177,7 +194,7 @@ class Router:
             try:
                 may_carry_out(session, request)
             except ProtocolError as error:
-                session.on_forbidden(error, request)
+                self.record_forbidden(session, error, request)
                 raise
         # by one name, so that all who look at it share its pictures
         self._subscriptions.view(session, replace(request, topic=name))
@@ -187,10 +204,30 @@ class Router:
         """Return the graph without the names that are hidden from a client."""
         return seen_by(session, self.ros.graph())
 
+    def check_share(self, session: Session) -> None:
+        """Raise ProtocolError if a client may not have one more ROS entity."""
+        self._shares.check(session)
+
+    def is_driven_by(self, session: Session) -> bool:
+        """Return whether a client has control of a command topic."""
+        return self.commands.is_driven_by(session)
+
+    def record_forbidden(self, session: Session, error: ProtocolError, request: Request) -> None:
+        """Note what the role of a client forbids. See `Core` of `gateway.core.session`."""
+        if session.identity is not None:  # else it has not authenticated yet
+            self._audit.record(
+                "forbidden",
+                client=session.client,
+                name=session.identity.name,
+                role=session.identity.role,
+                address=session.address,
+                op=request.kind,
+                reason=str(error),
+            )
+
     def end_turn(self, session: Session) -> None:
         """Do what the operations of a client deferred until others have their turn."""
-        deferred, session.deferred = session.deferred, {}
-        for request, work in deferred.values():
+        for request, work in session.take_deferred():
             try:
                 work()
             except FAILURES as error:
@@ -206,23 +243,23 @@ class Router:
 
     def revoke(self, session: Session) -> None:
         """End everything of a client that may not go on. That is why its robot stops."""
-        self._commands.revoke(session)
+        self.commands.revoke(session)
         self.leave(session)
 
     def stop_robots(self) -> None:
         """Stop whatever moves, before anything else of a shutdown. From now on nothing moves."""
-        self._commands.shut_down()
+        self.commands.shut_down()
 
     def close(self) -> None:
         """Stop robots, end all sessions and stop following the graph."""
-        self._commands.close()
+        self.commands.close()
         self._watch.close()
         for session in list(self._sessions):
             self.leave(session)
         self._transforms.close()
         self._listener.close()
         self._goals.close()
-        self._introspection.close()
+        self.introspection.close()
         self._learned.close()
         self._service_clients.close()
 
@@ -231,26 +268,26 @@ class Router:
         client_topics = tuple(self._subscriptions.client_topics())
         publications = (
             *self._publications.client_publications(),
-            *self._commands.client_publications(),
+            *self.commands.client_publications(),
         )
         topics = tuple(self._counts.states(client_topics, publications))
         return Traffic(client_topics, publications, topics)
 
+    def offers(self, topic: TopicKey) -> Sequence[Qos]:
+        """Return what the publishers of a topic that has subscribers offer."""
+        return self._subscriptions.offers(topic)
+
     def control(self) -> ControlState:
         """Return the state of the command topics and of their guard."""
-        return self._commands.control_state()
-
-    def shared_names(self) -> Sequence[str]:
-        """Return the names that several nodes of the graph have."""
-        return self.ros.diagnosis.shared_names()
+        return self.commands.control_state()
 
     def counts(self) -> dict[str, int]:
         """Count the open sessions and entities, for health reports."""
         return {
             "clients": len(self._sessions),
-            "ros_entities": self.ros.diagnosis.entity_count(),
+            "ros_entities": self.ros.diagnosis.entity_count() - self.introspection.own_entities,
             "subscriptions": self._subscriptions.topics,
-            "publishers": self._publications.publishers + self._commands.publishers,
+            "publishers": self._publications.publishers + self.commands.publishers,
             "services": self._services.services,
             "action_servers": self._actions.servers,
             "service_clients": self._service_clients.clients,
@@ -263,7 +300,7 @@ class Router:
 
     # as long as there are requests: one case each
     def _carry_out(  # noqa: C901, PLR0912, PLR0915
-        self, session: Session, request: Request
+        self, session: Session, request: AnyRequest
     ) -> None:
         match request:
             case requests.Publish():
@@ -305,36 +342,40 @@ class Router:
             case requests.CancelTransform():
                 self._transforms.cancel(session, request)
             case requests.Stop():
-                self._commands.stop(session, request)
+                self.commands.stop(session, request)
             case requests.AcquireControl():
-                self._commands.acquire(session, request)
+                self.commands.acquire(session, request)
             case requests.ReleaseControl():
-                self._commands.release(session, request)
+                self.commands.release(session, request)
             case requests.Control():
-                self._commands.control(session, request)
+                self.commands.control(session, request)
             case requests.Ping():
-                self._introspection.ping(session, request)
+                self.introspection.ping(session, request)
             case requests.Hello():
-                self._introspection.hello(session, request)
+                self.introspection.hello(session, request)
             case requests.Describe():
-                self._introspection.describe(session, request)
+                self.introspection.describe(session, request)
             case requests.Generate():
                 self._generate(session, request)
             case requests.FetchAsset():
-                self._answer_later(session, request, self._introspection.fetch, self._asking)
+                self._answer_later(session, request, self.introspection.fetch, self._asking)
             case requests.GraphRequest():
-                self._introspection.graph(session, request)
+                self.introspection.graph(session, request)
             case requests.Events():
                 self._events.watch(session, request)
+            case requests.Record():
+                if self._recorder is None:
+                    raise ProtocolError("not_found", "this gateway has no recorder")
+                self._recorder.carry_out(session, request)
             case _:
-                raise TypeError(request.kind)
+                assert_never(request)
 
     def _ask_node(self, session: Session, request: requests.ParameterRequest) -> None:
         work = self._views.of(session).parameters.carry_out
         self._answer_later(session, request, work, self._asking)
 
     def _generate(self, session: Session, request: requests.Generate) -> None:
-        write = partial(self._introspection.generate, session)
+        write = partial(self.introspection.generate, session)
         self._answer_later(session, request, write, self._asking)
 
     def _parts(self) -> tuple[SessionOwner, ...]:
@@ -342,7 +383,7 @@ class Router:
             self._calling,
             self._asking,
             self._looking,
-            self._introspection,
+            self.introspection,
             self._events,
             self._transforms,
             self.republications,
@@ -352,20 +393,8 @@ class Router:
             self._services,
             self._goals,
             self._actions,
-            self._commands,  # the last one leaves first
+            self.commands,  # the last one leaves first
         )
-
-    def _record_forbidden(self, session: Session, error: ProtocolError, request: Request) -> None:
-        if session.identity is not None:  # else it has not authenticated yet
-            self._audit.record(
-                "forbidden",
-                client=session.client,
-                name=session.identity.name,
-                role=session.identity.role,
-                address=session.address,
-                op=request.kind,
-                reason=str(error),
-            )
 
     def _answer_later(
         self,
@@ -386,5 +415,5 @@ class Router:
     def _on_graph_change(self) -> None:
         self._learned.on_graph_change()
         self._subscriptions.refresh()
-        self._commands.on_graph_change()
-        self._introspection.on_graph_change()
+        self.commands.on_graph_change()
+        self.introspection.on_graph_change()

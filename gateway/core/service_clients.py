@@ -36,14 +36,20 @@ class ServiceClients:
             RosError: ROS refuses it, or the server has gone.
         """
         request = encode_values(service_type.request, values, self._ros.now_ns, "args")
-        key = service, service_type.name
-        with self._clients.use(key, lambda: self._ros.services.client(*key)) as client:
-            async with deadline.limit(f"service {service} has not answered"):
-                response = await client.call(request)
+        response = await self.call_raw(service, service_type.name, request, deadline)
         try:
             return service_type.response.decode(response)
         except CodecError as error:
             raise ProtocolError("internal", f"response of {service}: {error}") from error
+
+    async def call_raw(
+        self, service: str, type_name: str, request: bytes, deadline: Deadline
+    ) -> bytes:
+        """Call a service with CDR of its type. See `call`."""
+        key = service, type_name
+        with self._clients.use(key, lambda: self._ros.services.client(*key)) as client:
+            async with deadline.limit(f"service {service} has not answered"):
+                return await client.call(request)
 
     def close(self) -> None:
         """Close every client. Calls under way fail."""

@@ -6,69 +6,86 @@ A front has a subclass, which makes the bytes of its protocol.
 
 import itertools
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable
-from typing import Any, ClassVar, Final, NamedTuple
+from collections.abc import Callable, Collection, Hashable
+from typing import Any, ClassVar, Final, NamedTuple, Protocol
 
-from gateway.access.permissions import UNLIMITED, Action, Identity
+from gateway.access.permissions import Action, Identity
 from gateway.config.limits import Limits
 from gateway.core.errors import ProtocolError, StatusCode
 from gateway.core.outbox import Outbox
+from gateway.core.peer import Peer
 from gateway.core.requests import CallService, ImageFormat, Request, RequestId, SendActionGoal
 from gateway.metrics.histogram import Histogram
+
+
+class Core(Protocol):
+    """The part of the router that a session asks about its client."""
+
+    @property
+    def limits(self) -> Limits:
+        """The limits of each client."""
+
+    @property
+    def image_format(self) -> ImageFormat:
+        """The format of images for which neither a request nor its client asks for one."""
+
+    def check_share(self, session: "Session") -> None:
+        """Raise ProtocolError if the client may not have one more ROS entity."""
+
+    def is_driven_by(self, session: "Session") -> bool:
+        """Return whether the client has control of a command topic."""
+
+    def record_forbidden(self, session: "Session", error: ProtocolError, request: Request) -> None:
+        """Note what the role of the client forbids."""
 
 
 class Session(ABC):
     """The state of a client, and the answers that it gets.
 
-    The content of its `outbox` is to be sent whenever it calls *wake*. *identity* is ``None`` until
-    the client has authenticated, if it must.
+    The content of its `outbox` is to be sent whenever it wakes its peer. `identity` is ``None``
+    until the client has authenticated, if it must.
     """
 
     NOT_AUTHENTICATED: ClassVar[str]  # how to authenticate, for a client that has not
 
-    def __init__(
-        self, limits: Limits, wake: Callable[[], None], identity: Identity | None = UNLIMITED
-    ) -> None:
-        self.limits: Final = limits
-        self.identity = identity
-        self.address = "?"
-        self.client = "?"  # address and number, for logs and metrics
+    def __init__(self, core: Core, peer: Peer) -> None:
+        self._core = core
+        self.limits: Final = core.limits
+        self.peer: Final = peer
+        self.client: Final = peer.name
+        self.address: Final = peer.address
+        self.turns: Final = peer.turns
+        self.wake: Final = peer.wake
+        self.image_format: Final = peer.image_format or core.image_format
+        self.sign_in(peer.identity)
         self.latency = Histogram()  # of what its topics sent, see `QueueOwner.has_timed`
-        self.outbox = Outbox(limits.send_queue_bytes)
-        self.wake = wake
-        # takes what work for this client has taken from its time budget: seconds, and the time.
-        # Returns whether something is left
-        self.spend: Callable[[float, float], bool] = lambda spent_s, now_s: True
-        # takes what a large message asks for: to read it has taken enough of this turn
-        self.next_turn: Callable[[Callable[[], None]], None] = lambda work: work()
-        # for how long the message at hand may have waited until we read it, in seconds
-        self.waited_s: Callable[[], float] = lambda: 0.0
-        # whether it has control of a command topic: then its input goes before that of others
-        self.drives: Callable[[], bool] = lambda: False
+        self.outbox = Outbox(self.limits.send_queue_bytes)
         self.received = 0  # messages
         self.refused = 0
-        self.is_overtaken = False  # the message at hand, by a `stop` that came later
-        self.is_behind = False  # its time budget is spent, and what it has sent waits
         self.reads_ascii_only = False
-        # raises ProtocolError if the client may not have one more ROS entity
-        self.check_share: Callable[[], None] = lambda: None
-        # called with whatever the client's role forbids
-        self.on_forbidden: Callable[[ProtocolError, Request], None] = lambda *_: None
-        self.image_format: ImageFormat = "jpeg"  # of pictures for which it asks for none
+        self.clock_offset_ms: float | None = None  # to the gateway's clock, as the client found it
         self.replaced = 0  # of what it deferred, by something newer
         self.deferred: dict[Hashable, DeferredWork] = {}
         self._numbers = itertools.count(1)  # of the calls and goals passed on to this client
 
-    @property
-    def identity(self) -> Identity | None:
-        """The client's identity, once it is known."""
-        return self._identity
-
-    @identity.setter
-    def identity(self, identity: Identity | None) -> None:
-        self._identity = identity
+    def sign_in(self, identity: Identity | None) -> None:
+        """Give the client other rights from now on."""
+        self.identity = identity
         # true if an operation may be forbidden, read for every operation
         self.is_restricted = identity is None or not identity.permissions.is_unlimited
+
+    def set_clock(self, offset_ms: float) -> None:
+        """Note what the client adds to its clock to get the gateway's."""
+        self.clock_offset_ms = offset_ms
+
+    @property
+    def drives(self) -> bool:
+        """True if it has control of a command topic: then its input goes before that of others."""
+        return self._core.is_driven_by(self)
+
+    def check_share(self) -> None:
+        """Raise ProtocolError if the client may not have one more ROS entity."""
+        self._core.check_share(self)
 
     def may(self, action: Action, name: str) -> bool:
         """Return whether the client may do this with a resolved name."""
@@ -88,14 +105,34 @@ class Session(ABC):
         If another of the same key comes until then, that takes its place: of what is set many
         times only the newest counts.
         """
-        self.replaced += key in self.deferred
+        self.count_replaced(key in self.deferred)
         self.deferred[key] = DeferredWork(request, work)
+
+    def take_deferred(self) -> Collection["DeferredWork"]:
+        """Return what is deferred, and forget it."""
+        deferred, self.deferred = self.deferred, {}
+        return deferred.values()
+
+    def count_replaced(self, count: int) -> None:
+        """Count what waited until something newer took its place."""
+        self.replaced += count
+
+    def count_refused(self) -> None:
+        """Count a request that failed."""
+        self.refused += 1
+
+    def refuse(self, error: ProtocolError, request: Request | None = None) -> None:
+        """Answer a request that failed. Without one, report the error alone."""
+        self.count_refused()
+        if request is not None and error.code == "forbidden":
+            self._core.record_forbidden(self, error, request)
+        self.send_refusal(error, request)
 
     # Answers and messages to the client. A front may leave out those that it has no requests for.
 
     @abstractmethod
-    def refuse(self, error: ProtocolError, request: Request | None = None) -> None:
-        """Answer a request that failed. Without one, report the error alone."""
+    def send_refusal(self, error: ProtocolError, request: Request | None) -> None:
+        """Send why a request failed, or an error alone."""
 
     @abstractmethod
     def warn(self, error: ProtocolError, request: Request) -> None:
@@ -128,6 +165,20 @@ class Session(ABC):
         raise NotImplementedError
 
     def feedback_frame(self, request: SendActionGoal, values: dict[str, Any]) -> bytes:
+        """Return the bytes of a goal's feedback."""
+        raise NotImplementedError
+
+    # The same for requests with `RawValues`
+
+    def respond_raw(self, request: CallService, cdr: bytes) -> None:
+        """Send the response of a service."""
+        raise NotImplementedError
+
+    def finish_raw(self, request: SendActionGoal, cdr: bytes, status: int) -> None:
+        """Send the result of a goal."""
+        raise NotImplementedError
+
+    def feedback_raw(self, request: SendActionGoal, cdr: bytes) -> bytes:
         """Return the bytes of a goal's feedback."""
         raise NotImplementedError
 

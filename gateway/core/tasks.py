@@ -110,7 +110,7 @@ class Metered(Coroutine[Any, Any, None]):
 
     def _spend(self, start_s: float) -> None:
         now_s = time.monotonic()
-        self._session.spend(now_s - start_s, now_s)
+        self._session.turns.spend(now_s - start_s, now_s)
 
 
 def refuse(session: Session, request: Request, error: Exception) -> None:

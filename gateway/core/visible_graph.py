@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The ROS graph as a role sees it: what it may do nothing with does not exist."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from gateway.sources.graph import Graph, ServerInfo, TopicInfo
@@ -31,6 +31,11 @@ class VisibleGraph:
     def distro(self) -> str:
         """The ROS distribution."""
         return self._ros.distro
+
+    @property
+    def network(self) -> Mapping[str, str | int]:
+        """The network in which nodes are found."""
+        return self._ros.network
 
     def now_ns(self) -> int:
         """ROS time in nanoseconds."""

@@ -158,6 +158,7 @@ class Drive:
         if motion.state in MOVING and now_ns - motion.accepted_ns >= self._rules.deadline_ns:
             self._stop("single_deadline" if motion.is_single else "deadline", now_ns, out)
         if lease.state != "free" and now_ns - lease.renewed_ns >= self._rules.lease_ns:
+            self._on_waiting("refuse", now_ns, out)
             self._stop("lease", now_ns, out)
             out += lease.end()
         waiting = self._waiting

@@ -24,9 +24,10 @@ Age = Literal[
     "stale",
     "behind",  # it waited for `MAX_AGE_NS`, because its client has spent its time budget
     "waited",  # as long, for the gateway
+    "delayed",  # its relay sent it too long after the gateway's last sign of life
     "unknown",  # no time was given and nothing waited, or the connection is too young to know
 ]
-LATE: Final[frozenset[Age]] = frozenset({"stale", "behind", "waited"})
+LATE: Final[frozenset[Age]] = frozenset({"stale", "behind", "waited", "delayed"})
 
 
 class Freshness:

@@ -30,6 +30,8 @@ _LATE_TEXTS: Final[dict[Age, str]] = {
     "behind": "the command waited for over 250 ms, because this connection has used up its share of"
     " the gateway's time (limits.client_time_share): send less",
     "waited": "the command waited for over 250 ms, because the gateway was busy: send it again",
+    "delayed": "the way between the relay and the robot took over 300 ms: check that network, and"
+    " send a new command",
 }
 _NOT_READY: Final = "is starting: send the command again in about a second"
 _GUARD_TEXTS: Final[dict[GuardState, str]] = {

@@ -55,7 +55,7 @@ WAITING: Final[StateTable[WaitingState, WaitingEvent, WaitingAction]] = StateTab
         "late": "its 250 ms were over 250 ms ago: the gateway hung",
         "ready": "the guard becomes ready",
         "take_back": "a stop, or its client sends zero, an invalid message, or leaves",
-        "refuse": "the next command is refused, the guard is gone, or the gateway shuts down",
+        "refuse": "the next command is refused, control or the guard ends, or the gateway does",
         "hand_over": "another client gets control",
     },
     actions={

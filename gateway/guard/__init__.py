@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The guard: a separate process that stops the robot when the gateway cannot.
 
-``python -m gateway.guard`` has its own DDS participant and reads a pipe that the gateway writes.
+``python -m gateway.guard`` has its own DDS participant, or its own session with a Zenoh router. It
+reads a pipe that the gateway writes.
 It publishes commands to stop in two cases while something moves:
 
 - The pipe ends, because the gateway was killed.
@@ -32,6 +33,7 @@ From the guard to the gateway, on its standard output:
 - ``["failed", TOPIC, REASON]``: it cannot.
 - ``["heard"]``: it has read its input, at most once per ``HEARD_S``.
 - ``["stopped", TOPIC]``: the gateway was silent, and it has begun a stop.
+- ``["cut off"]``: commands do not get through to the robot, and the guard ends.
 
 The map is docs/contributing/architecture.md.
 """

@@ -9,7 +9,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -50,16 +50,10 @@ class GuardProcess:
     Nothing here waits: if the pipe does not take a line at once, the guard is not there.
     """
 
-    def __init__(
-        self, name: str, namespace: str, domain_id: int | None, *, deadline_s: float
-    ) -> None:
+    def __init__(self, node_class: str, node: Mapping[str, object], *, deadline_s: float) -> None:
+        """*node_class* is a `gateway.sources.guard.GuardNode`, and *node* its arguments."""
         silence_ns = round((deadline_s + MARGIN_S) * 1e9)
-        options = {
-            "name": name,
-            "namespace": namespace,
-            "domain_id": domain_id,
-            "silence_ns": silence_ns,
-        }
+        options = {"class": node_class, "node": node, "silence_ns": silence_ns}
         self.command: Sequence[str] = (
             *(sys.executable, "-m", "gateway.guard"),
             orjson.dumps(options).decode(),
@@ -254,6 +248,8 @@ class GuardProcess:
                 logger.error("the guard process cannot guard this topic: %s", reason, extra=extra)
                 self._topics[topic].is_opening = False
                 self._topics[topic].on_state("lost")
+            case ["cut off"]:
+                self._lose("finds that commands do not get through to the robot")
             case ["stopped", topic]:
                 extra = {"topic": topic}
                 logger.warning("the guard process stopped the robot: the gateway hung", extra=extra)

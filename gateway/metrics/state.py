@@ -68,6 +68,7 @@ class DriveState(NamedTuple):
     listeners: int  # subscriptions of other nodes
     is_guarded: bool
     stops: Mapping[str, int]  # by cause
+    clock_offset_ms: float | None = None  # of the client that drives, to the gateway's clock
 
     @property
     def is_moving(self) -> bool:

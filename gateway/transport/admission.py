@@ -5,7 +5,6 @@ import logging
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable
-from functools import partial
 from typing import Final, Protocol
 
 from websockets.datastructures import Headers
@@ -132,7 +131,6 @@ class Admission:
         self, connection: ClientConnection, session: ClientSession, request: Request, now_s: float
     ) -> None:
         """Take note of a client whose session has begun."""
-        session.authenticate = partial(self._authenticate, connection, session)
         if session.identity is not None:
             self._record_connected(session, _shown_origin(request.headers))
             return
@@ -196,7 +194,7 @@ class Admission:
                 code = GOING_AWAY
                 reason = f"the permissions of role {now.role} have changed, connect again"
             else:
-                session.identity = now
+                session.sign_in(now)
                 continue
             self._audit.record(
                 "revoked",
@@ -210,10 +208,9 @@ class Admission:
             ended.append(session)
         return ended
 
-    def _authenticate(
+    def authenticate(
         self,
         connection: ClientConnection,
-        session: ClientSession,
         token: str | None,
         request: CoreRequest,
     ) -> None:
@@ -222,6 +219,9 @@ class Admission:
         Raises:
             ProtocolError: the token is missing, or the client has signed in already.
         """
+        session = connection.session
+        if session is None:  # it has ended
+            return
         if token is None:
             if session.identity is None:
                 raise ProtocolError(
@@ -252,7 +252,7 @@ class Admission:
         if before is None:
             self._check_room(connection)
         self._waiting.pop(connection, None)
-        session.identity = identity
+        session.sign_in(identity)
         connection.limit_messages(session.limits.max_message_bytes)
         self._record_connected(session, None)
 

@@ -9,7 +9,7 @@ here in batches, as far as the socket accepts them. The rest waits, and can be d
 import asyncio
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, cast
 
@@ -18,8 +18,10 @@ from websockets.frames import Frame, Opcode
 from websockets.http11 import Request, Response
 from websockets.protocol import CONNECTING, OPEN, Event
 
+from gateway.access.permissions import Identity
 from gateway.core.entries import Entry
 from gateway.core.errors import ProtocolError
+from gateway.core.peer import Authenticate, Peer
 from gateway.core.token_bucket import TokenBucket
 from gateway.transport.batches import batch_writer
 from gateway.transport.close_codes import (
@@ -44,9 +46,11 @@ from gateway.transport.keep_alive import Close, KeepAlive, SendPing
 from gateway.transport.pacing import Pacing
 from gateway.transport.protocol_output import ProtocolOutput
 from gateway.transport.tcp_info import tune
+from gateway.transport.url_options import UrlOptions
 from gateway.transport.writing import WritingConnection
 
 if TYPE_CHECKING:  # it imports this
+    from gateway.transport.robot_paths import RobotPaths
     from gateway.transport.server import Server
 
 logger = logging.getLogger(__name__)
@@ -57,15 +61,18 @@ WRITE_HIGH_WATER_BYTES: Final = 64 * 1024  # beyond this, frames wait where they
 class Connection(WritingConnection):
     """A client from TCP accept to the end. Everything runs on the event loop's thread."""
 
-    def __init__(self, server: "Server") -> None:
-        limits = server.limits
+    def __init__(self, server: "Server | RobotPaths") -> None:
+        connections = server.connections
+        limits = connections.limits
         super().__init__(
-            new_protocol(limits.max_message_bytes, server.fronts.choose), next(server.numbers)
+            new_protocol(limits.max_message_bytes, self._choose), next(connections.numbers)
         )
-        self._server = server
+        self.server = server  # until the request, it may be the paths of several
+        self._connections = connections
         self._limits = limits
         self._buffer = bytearray(READ_CHUNK_BYTES)
         self._inbound: Inbound
+        self._robot: Server
         self._front: Front
         self._assembly = MessageAssembly()
         self._flushing = False
@@ -86,12 +93,12 @@ class Connection(WritingConnection):
         peer = transport.get_extra_info("peername")
         self.address = str(peer[0]) if peer else "?"
         tune(transport.get_extra_info("socket"))
-        self.spending = self._server.budgets.open(self.address)
+        self.spending = self._connections.budgets.open(self.address)
         self._inbound = Inbound(self, self._protocol, transport, self.spending)
         self._pacing = Pacing(transport, self._go_on, self._note_rate)
         self._output = ProtocolOutput(transport, self._pacing)
         self.is_encrypted = self._output.is_encrypted
-        self._server.arrive(self)
+        self._connections.add(self)
 
     def get_buffer(self, sizehint: int) -> bytearray:
         """Lend the buffer, which bounds one read."""
@@ -121,7 +128,7 @@ class Connection(WritingConnection):
         self._protocol.receive_eof()
         session, self._session = self._session, None
         try:
-            self._server.left(self, session, self._end(session, exc, start_s))
+            self.server.left(self, session, self._end(session, exc, start_s))
         finally:  # the time to close its subscriptions also counts for the client
             self.spending.close(time.monotonic() - start_s)
             self._pacing.close()
@@ -154,6 +161,22 @@ class Connection(WritingConnection):
             self.fail(bug)
         finally:
             self._flushing = False
+
+    def peer(
+        self, identity: Identity | None, options: UrlOptions, authenticate: Authenticate
+    ) -> Peer:
+        """Return what the session of this client is to know of it."""
+        return Peer(
+            wake=self.flush,
+            name=self.name,
+            address=self.address,
+            identity=identity,
+            image_format=options.images,
+            level=options.status,
+            turns=self._inbound,
+            authenticate=authenticate,
+            on_unreadable=expect_text(self._assembly, self.close),
+        )
 
     def tick(self, now_s: float) -> None:
         """End a client after its timeouts, and send pings. Called every `TICK_S` of the server."""
@@ -220,12 +243,7 @@ class Connection(WritingConnection):
     def end_turn(self) -> None:
         """Carry out deferred work."""
         if self._session is not None and self._session.deferred:
-            self._server.end_turn(self._session)
-
-    def fall_behind(self, *, is_behind: bool) -> None:
-        """Keep only the newest waiting message of topics where only the newest counts."""
-        if self._session is not None:
-            self._session.is_behind = is_behind
+            self._robot.end_turn(self._session)
 
     def fail(self, bug: Exception) -> None:
         """Close this client because of a fault of the gateway, which affects no other client."""
@@ -234,8 +252,12 @@ class Connection(WritingConnection):
 
     # Incoming
 
+    def _choose(self, offered: Sequence[str]) -> str | None:
+        return self.server.choose(offered)
+
     def _open(self, request: Request) -> None:
-        response = self._server.respond(self, self._protocol, request)
+        server = self.server = self.server.of(request)
+        response = server.respond(self, self._protocol, request)
         self._gets_page = response is None and self._viewer is None
         if response is not None:
             self.answer(response)
@@ -243,18 +265,15 @@ class Connection(WritingConnection):
             # until a request is answered, `websockets` would parse the input behind it as frames
             self._inbound.ignore()
             return
-        self.address = self._server.client_address(self.address, request)
+        server = self._robot = cast("Server", server)  # no other begins a WebSocket
+        self.address = server.client_address(self.address, request)
         self.spending.move(self.address)
-        self._front = self._server.fronts.of(self._protocol.subprotocol)
-        self._session = self._server.enter(self, self._front, request)
+        self._front = server.fronts.of(self._protocol.subprotocol)
+        self._session = server.enter(self, self._front, request)
         if self._session is None:
             self._inbound.drop()
             return
         self._session.outbox.connect(self._write_directly, self._pacing)
-        self._session.spend = self.spending.spend
-        self._session.next_turn = self._inbound.next_turn
-        self._session.waited_s = self._inbound.waited_s
-        expect_text(self._session, self._assembly, self.close)
         logger.info("connected", extra={"client": self.name})
 
     def _explain_failure(self) -> None:
@@ -264,7 +283,7 @@ class Connection(WritingConnection):
         if self._session is None:
             if isinstance(self._protocol.handshake_exc, InvalidMessage):
                 self._closing_s = time.monotonic()
-                response = self._server.malformed(self._start)
+                response = self.server.malformed(self._start)
                 self._cause = answered(int(response.split()[1]), "not a supported HTTP request")
                 self._transport.write(response)
             return

@@ -2,34 +2,23 @@
 """The interface of a protocol that is spoken on the port."""
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Protocol
 
-from gateway.access.permissions import Identity
-from gateway.config.limits import Limits
-from gateway.core.errors import Level, StatusCode
-from gateway.core.requests import Request
+from gateway.core.errors import StatusCode
+from gateway.core.peer import Peer
+from gateway.core.router import Router
 from gateway.core.session import Session
 from gateway.errors import ConfigError
+from gateway.interfaces import check_interface, name_of
 
 
 class ClientSession(Session):
     """The session of a client behind a socket."""
 
-    def __init__(self, limits: Limits, wake: Callable[[], None], identity: Identity | None) -> None:
-        super().__init__(limits, wake, identity)
-        # takes a token and the request that it came with, if clients have to show one
-        self.authenticate: Callable[[str | None, Request], None] = lambda token, request: None
-        # called with each message that cannot be read, once it is refused
-        self.on_unreadable: Callable[[bytes], None] = lambda data: None
-
     @abstractmethod
     def is_stop(self, data: bytes) -> bool:
         """Return whether a message is a `stop`, which may go before the ones that came earlier."""
-
-    @abstractmethod
-    def set_level(self, level: Level) -> None:
-        """Report only what is of this severity or worse."""
 
 
 class HttpSession(ClientSession):
@@ -51,19 +40,31 @@ class Front(Protocol):
     def subprotocols(self) -> Sequence[str]:
         """The subprotocols of the WebSocket by which clients choose this front."""
 
-    def open(
-        self, wake: Callable[[], None], address: str, identity: Identity | None
-    ) -> ClientSession:
-        """Open a session. It calls *wake* whenever its outbox has something to send.
-
-        *identity* is ``None`` for a client that has yet to authenticate.
-        """
+    def open(self, peer: Peer) -> ClientSession:
+        """Open a session for a client."""
 
     def rejection(self, code: StatusCode, reason: str) -> bytes:
         """Return the message to a client that is rejected before it has a session."""
 
     def receive(self, session: ClientSession, data: bytes) -> None:
         """Carry out one message of a client. Every error is answered."""
+
+
+def checked_front(front: Front, core: Router) -> Front:
+    """Return a front, once it has opened a session on trial.
+
+    Raises:
+        ConfigError: it, or its session, lacks a method.
+    """
+    check_interface("front", front, Front)
+    try:
+        session = front.open(Peer(wake=lambda: None))
+        session.NOT_AUTHENTICATED  # noqa: B018  # which is looked up when it is needed
+    except (TypeError, AttributeError) as error:
+        text = f"--front: {name_of(front)} cannot open a session, {error}"
+        raise ConfigError(f"{text}: complete its subclass of ClientSession") from error
+    core.leave(session)
+    return front
 
 
 class Fronts:
@@ -75,12 +76,12 @@ class Fronts:
         self._by_subprotocol: dict[str, Front] = {}
         for front in (first, *others):
             if not front.subprotocols:
-                text = f"--front: {_name(front)} has no subprotocol, so no client could choose it"
+                text = f"--front: {name_of(front)} has no subprotocol, so no client could choose it"
                 raise ConfigError(f"{text}: name one in its `subprotocols`")
             for each in front.subprotocols:
                 other = self._by_subprotocol.setdefault(each, front)
                 if other is not front:
-                    text = f"--front: {_name(other)} and {_name(front)} both have subprotocol"
+                    text = f"--front: {name_of(other)} and {name_of(front)} both have subprotocol"
                     raise ConfigError(f"{text} {each!r}: leave out one of them, or rename it there")
 
     def choose(self, offered: Sequence[str]) -> str | None:
@@ -90,7 +91,3 @@ class Fronts:
     def of(self, subprotocol: str | None) -> Front:
         """Return the front of a client, by the subprotocol that was confirmed."""
         return self._first if subprotocol is None else self._by_subprotocol[subprotocol]
-
-
-def _name(front: Front) -> str:
-    return f"{type(front).__module__}:{type(front).__name__}"

@@ -82,14 +82,16 @@ class HttpFront:
         find_health: Callable[[], Health],
         details: Callable[[], Mapping[str, Any]],
         answer_later: Mapping[str, AnswerLater],
+        base: str = "",
     ) -> None:
-        """*answer_later* is by path."""
+        """*answer_later* is by path. *base* comes before every path, and requests come without."""
         self._path = path
         self._files = files
         self._rules = rules
         self._health = find_health
         self._details = details
         self._answer_later = answer_later
+        self._base = base
 
     def respond(
         self, protocol: ServerProtocol, request: Request, connection: HttpConnection
@@ -126,7 +128,7 @@ class HttpFront:
             return protocol.reject(
                 431, f"the headers are too long: send at most {MAX_HEADER_CHARACTERS} characters\n"
             )
-        host = _to_origin_form(request)
+        host = to_origin_form(request)
         if not self._rules.is_own_host(host):
             self._log_foreign(host)
             return protocol.reject(421, _FOREIGN_HOST)
@@ -148,7 +150,7 @@ class HttpFront:
             return found
         if path != self._path:
             return protocol.reject(
-                404, f"nothing is at this path: connect the WebSocket to {self._path}\n"
+                404, f"nothing is at this path: connect the WebSocket to {self._base}{self._path}\n"
             )
         check_target(request.path)
         url_options(request.path)  # refuses an unknown one while there is a response for it
@@ -185,13 +187,24 @@ class HttpFront:
             url_options(request.path)
             if not (is_browser(request) and self._files.find(INDEX)):
                 scheme = "wss" if connection.is_encrypted else "ws"
-                address = f"{scheme}://{request.headers['Host']}{self._path}"
+                address = f"{scheme}://{request.headers['Host']}{self._base}{self._path}"
                 return page(protocol, request, _WELCOME.format(address=address).encode())
             path = INDEX
         file = self._files.find(path) or self._files.find(f"{path}.html")
         if file is None and self._files.find(f"{path.rstrip('/')}.html"):
-            return moved(protocol, request, path.rstrip("/"))  # its relative addresses would fail
-        return response_of(protocol, request, file) if file else None
+            # its relative addresses would fail
+            return moved(protocol, request, f"{self._base}{path.rstrip('/')}")
+        response = response_of(protocol, request, file) if file else None
+        if response and (origin := request.headers.get("Origin")):
+            self._share(response, origin, request.headers["Host"], connection)
+        return response
+
+    def _share(
+        self, response: Response, origin: str, host: str, connection: HttpConnection
+    ) -> None:
+        """Let pages that may connect import the modules."""
+        if self._rules.standing(origin, host, is_encrypted=connection.is_encrypted) != "foreign":
+            response.headers["Access-Control-Allow-Origin"] = origin
 
     def _log_foreign(self, host: str) -> None:
         name = urlsplit(f"//{host}").hostname or ""
@@ -222,7 +235,7 @@ class HttpFront:
         )
 
 
-def _to_origin_form(request: Request) -> str:
+def to_origin_form(request: Request) -> str:
     """Let the target of a request be a path. Return its host.
 
     A target with a host is obeyed instead of the header (RFC 9112, 3.2.2), as proxies do.

@@ -17,6 +17,7 @@ from websockets.frames import Frame, Opcode
 from websockets.protocol import OPEN, Event
 from websockets.server import ServerProtocol
 
+from gateway.core.peer import ClientTurns
 from gateway.transport.frame_reader import FrameReader
 from gateway.transport.tcp_info import is_ended
 from gateway.transport.time_budget import Spending
@@ -49,7 +50,7 @@ _LASTING: Final = (b"publish", b"advertise", b"fragment")
 _END_OF_HEAD: Final = b"\r\n\r\n"
 
 
-class Inbound:
+class Inbound(ClientTurns):
     """The bytes of one read that are not parsed, and the events that are not handled."""
 
     def __init__(
@@ -81,7 +82,7 @@ class Inbound:
         self._cost_s = 0.0  # of reading, since it was paid for
         self._late_since_s: float | None = None  # the next input may have waited since then
         self._is_catching_up = False
-        self._is_behind = False  # its budget is spent
+        self.is_behind = False  # its budget is spent
         self._is_waiting = False  # for its budget
 
     def __bool__(self) -> bool:
@@ -109,6 +110,10 @@ class Inbound:
         since_s = self._read_s if self._late_since_s is None else self._late_since_s
         return time.monotonic() - since_s
 
+    def spend(self, spent_s: float, now_s: float) -> bool:
+        """Pay for work that a task does for this client. Return whether time is left."""
+        return self._spending.spend(spent_s, now_s)
+
     def next_turn(self, work: Callable[[], None]) -> None:
         """Do *work* when the others have had their turn, and before anything else that waits."""
         self._events.appendleft(work)
@@ -131,7 +136,7 @@ class Inbound:
 
         Then the transport is closed once that is carried out, unless TLS is closed by itself.
         """
-        if self._is_behind:
+        if self.is_behind:
             self._leave()
         self._is_at_end = bool(self) and self._transport.get_extra_info("sslcontext") is None
         return self._is_at_end
@@ -141,13 +146,13 @@ class Inbound:
         if self._left_s is not None:
             if now_s - self._left_s > LEFTOVER_S:
                 self._transport.abort()
-        elif self._is_behind and is_ended(self._transport.get_extra_info("socket")):
+        elif self.is_behind and is_ended(self._transport.get_extra_info("socket")):
             self._leave()
             self._spending.turns.add(self)
 
     def close(self) -> None:
         """Carry out the last of a client whose socket is gone, and never go on."""
-        if self._is_behind:
+        if self.is_behind:
             self._leave()
         end_s = time.monotonic() + LAST_S
         try:
@@ -179,7 +184,7 @@ class Inbound:
                 self._is_waiting = False
             if not self._is_waiting:
                 # the rest of a large message does not wait, but the input behind it does
-                is_due_alone = self._is_turn_over and self._is_behind
+                is_due_alone = self._is_turn_over and self.is_behind
                 self._handle_until(0.0 if is_due_alone else end_s)
             self._connection.end_turn()
         except Exception as error:  # noqa: BLE001  # a bug of ours: the others are unharmed
@@ -193,9 +198,7 @@ class Inbound:
     def _pay(self, spent_s: float, now_s: float) -> None:
         """Pay for a slice, and have the rest handled when there is time."""
         may_go_on = self._spending.spend(spent_s, now_s) or self._may_drive()
-        if may_go_on is self._is_behind:
-            self._is_behind = not may_go_on
-            self._connection.fall_behind(is_behind=self._is_behind)
+        self.is_behind = not may_go_on
         if not (may_go_on or self._is_waiting or self._is_turn_over) and self._head is None:
             self._is_waiting = True
             self._spending.wait(self.go_on)
@@ -222,7 +225,7 @@ class Inbound:
             self._catch_up(EMPTY_TURNS)
 
     def _has_no_room(self) -> bool:
-        if self._is_behind:  # otherwise the waiting input is handled before more is read
+        if self.is_behind:  # otherwise the waiting input is handled before more is read
             return bool(self._unparsed) or self._is_full() or self._is_ignored
         return bool(self)
 
@@ -243,7 +246,7 @@ class Inbound:
 
     def _drives(self) -> bool:
         session = self._connection.session
-        return session is not None and session.drives()
+        return session is not None and session.drives
 
     def _may_drive(self) -> bool:
         """Return whether a driver has time of its budget, even if its address has none."""
@@ -264,7 +267,7 @@ class Inbound:
             if time.monotonic() > end_s:
                 break
         was_open = self._connection.session is not None
-        if self._is_behind and was_open and self._protocol.state is not OPEN:
+        if self.is_behind and was_open and self._protocol.state is not OPEN:
             self._leave()
 
     def _handle_until(self, end_s: float) -> None:
@@ -285,12 +288,10 @@ class Inbound:
         if not self._overtaken:
             self._connection.handle(event)
             return
-        if (session := self._connection.session) is not None:
-            session.is_overtaken = True
+        self.is_overtaken = True
         self._connection.handle(event)  # may have some of it done in the next turn
         self._overtaken -= 1
-        if session is not None:
-            session.is_overtaken = False
+        self.is_overtaken = False
 
     def _parse(self) -> None:
         """Parse the next piece. Carry out a `stop` in it, and keep what else there is."""

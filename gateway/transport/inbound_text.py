@@ -22,15 +22,15 @@ def receive_message(
     if is_text and is_cbor(message):  # UTF-8 cannot begin like that
         text = f"{_not_utf8(message)}. Send CBOR in binary frames"
         session.refuse(ProtocolError("bad_json", text))
-        session.on_unreadable(message)
+        session.peer.on_unreadable(message)
     else:
         receive(session, message)
 
 
 def expect_text(
-    session: ClientSession, assembly: MessageAssembly, close: Callable[[int, str], None]
-) -> None:
-    """Close, as an endpoint must, if the newest message is in a text frame and not UTF-8.
+    assembly: MessageAssembly, close: Callable[[int, str], None]
+) -> Callable[[bytes], None]:
+    """Return a check that closes, as an endpoint must, if text is not UTF-8.
 
     Text that was read as JSON is valid. A check before that takes two thirds of the reading time.
     """
@@ -39,7 +39,7 @@ def expect_text(
         if assembly.is_text and (text := _not_utf8(message)):
             close(INVALID_DATA, text)
 
-    session.on_unreadable = look
+    return look
 
 
 def _not_utf8(message: bytes) -> str:

@@ -1,14 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server: it listens, admits clients, applies their timeouts, and closes all at the end."""
+"""The server of a robot: it admits clients, answers their requests, and reports on them."""
 
 import asyncio
 import contextlib
 import ipaddress
-import itertools
-import logging
 import time
-from collections import Counter
-from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from functools import partial, reduce
 from typing import Any, Final
 
@@ -18,7 +15,6 @@ from websockets.server import ServerProtocol
 from gateway.access.permissions import Identity, Policy
 from gateway.access.tokens import Tokens
 from gateway.access.web_rules import WebRules
-from gateway.backports import timeout
 from gateway.config.limits import Limits
 from gateway.core.router import Router
 from gateway.faults import Fault
@@ -31,41 +27,29 @@ from gateway.transport.admission import (
     RoomFor,
     everybody,
 )
-from gateway.transport.close_codes import GOING_AWAY
 from gateway.transport.connection import Connection
+from gateway.transport.connections import Connections
 from gateway.transport.counters import ServerCounters, client_counts, client_state
-from gateway.transport.end import ConnectionEnd, EndCause
+from gateway.transport.end import ConnectionEnd
 from gateway.transport.forwarded import client_address
 from gateway.transport.front import ClientSession, Front, Fronts
 from gateway.transport.health import FindFaults, Health, counts_of, no_faults
 from gateway.transport.http import HttpFront, own_names, page, unauthenticated
 from gateway.transport.http_connection import AnswerLater, HttpConnection, PathFront
-from gateway.transport.listening import ListenPort, listen
+from gateway.transport.listening import ListenPort
 from gateway.transport.scrapes import Scrapes
 from gateway.transport.static_files import NO_FILES, StaticFiles, method_of
-from gateway.transport.time_budget import TimeBudgets
 from gateway.transport.url_options import url_options
 
 MakeAdmission = Callable[[RoomFor, WebRules], Admission]
-
-logger = logging.getLogger(__name__)
-
-# Sockets during their handshake, which takes milliseconds. Each is cut off after 5 s.
-MAX_HANDSHAKES: Final = 64
-# Sockets that were rejected, or got a page, and have a second to close.
-MAX_LEAVING: Final = 64
 
 # Pages of metrics that are waited for, or not taken yet: a few times as many as there are scrapers,
 # and 11 MB with 32 clients of 64 topics each.
 MAX_PAGES: Final = 8
 
-MAX_GOODBYE_S: Final = 1.0  # of the 2 s for the whole shutdown
-
-TICK_S: Final = 0.25  # the precision of timeouts. The cost of 4 wake-ups a second is not measurable
-
 
 class Server:
-    """The connected clients, and the listening sockets."""
+    """The clients of a robot. Several servers may share the connections of a port."""
 
     def __init__(  # noqa: PLR0913  # one argument for each part that it shares
         self,
@@ -80,9 +64,12 @@ class Server:
         admission: MakeAdmission = everybody,
         version: str = "",
         find_faults: FindFaults = no_faults,
+        connections: Connections | None = None,
+        base: str = "",
     ) -> None:
+        """*base* is the part of the path that comes before every path of this server."""
         self.limits = limits
-        self.budgets = TimeBudgets(limits.client_time_share, limits.address_time_share)
+        self.connections = Connections(limits) if connections is None else connections
         self._trusted_proxies = tuple(map(ipaddress.ip_network, trusted_proxies))
         self._router = router
         self.fronts = fronts
@@ -90,18 +77,14 @@ class Server:
         by_path: dict[str, AnswerLater] = {"/metrics": self._metrics}
         for front in path_fronts:
             by_path |= dict.fromkeys(front.paths, partial(self._show, front))
-        self._http = HttpFront(path, files, rules, self.judged, self.health, by_path)
+        self._http = HttpFront(path, files, rules, self.judged, self.health, by_path, base)
         self._find_faults = find_faults
         self._scrapes = Scrapes(self.state)
         self._path_fronts = path_fronts
         self._counters = ServerCounters()
-        self._admission = admission(self._room_for, rules)
+        self._admission = admission(self.connections.room_for, rules)
         self._version = version
-        self.numbers: Iterator[int] = itertools.count(1)
-        self._connections: dict[Connection, None] = {}  # the oldest first
         self._started_s = time.monotonic()
-        self._all_gone = asyncio.Event()
-        self._all_gone.set()
         self._left = ClientCounts()  # of clients that have left
 
     @contextlib.asynccontextmanager
@@ -110,35 +93,32 @@ class Server:
     ) -> AsyncIterator[list[list[tuple[str, int]]]]:
         """Serve inside the context. Yield of each port the addresses, all on its port.
 
-        All share the clients, their limits and rules. A machine may have no IPv6: all *hosts* but
-        the first may fail.
-
-        Raises:
-            BindError: the first address or a port cannot be listened on.
+        All share the clients, their limits and rules. See `Connections.listening`.
         """
-        listeners: list[asyncio.Server] = []
-        try:
-            addresses = [
-                await listen(port, hosts, lambda: Connection(self), self.limits, listeners)
-                for port in ports
-            ]
-            ticking = asyncio.create_task(self._tick())
+        make = partial(Connection, self)
+        async with self.connections.listening(hosts, ports, make, self.tick) as addresses:
             try:
                 yield addresses
             finally:
-                ticking.cancel()
-        finally:
-            for listener in listeners:
-                listener.close()
-            self._scrapes.close()
-            await self._close_all()
+                self.close()
+
+    def tick(self, now_s: float, late_s: float) -> None:
+        """Take note of the time, and of how late the loop was."""
+        self._counters.late(late_s)
+        self._admission.tick(now_s)
+
+    def close(self) -> None:
+        """Write no further page of metrics."""
+        self._scrapes.close()
+
+    async def close_clients(self, reason: str) -> None:
+        """Close the connections of this server, and wait until they are gone."""
+        await self.connections.close(self._own, reason)
 
     def judged(self) -> Health:
         """Return what is wrong with the gateway."""
         limits = self.limits
-        clients = sum(
-            1 for each in self._connections if each.session is not None and each.session.identity
-        )
+        clients = len(self.connections.clients())
         faults = list(self._find_faults())
         if clients >= limits.max_clients:
             text = f"{clients} clients are connected, the maximum: further clients are refused"
@@ -153,10 +133,11 @@ class Server:
         """Return the state of the gateway, without the traffic of its topics."""
         clients = tuple(
             client_state(each.session, each.spending, each.keep_alive.round_trip_s)
-            for each in self._connections
+            for each in self._own()
             if each.session is not None
         )
-        addresses = self.budgets.in_use()
+        budgets = self.connections.budgets
+        addresses = budgets.in_use()
         counters = self._counters
         entities = self._router.counts()
         return Summary(
@@ -165,17 +146,17 @@ class Server:
             clients=clients,
             addresses=tuple(AddressState(at, own.spent_s, own.pauses) for at, own in addresses),
             totals=reduce(ClientCounts.plus, (each.counts for each in clients), self._left),
-            time_s=self.budgets.spent_s,
-            pauses=self.budgets.pauses,
+            time_s=budgets.spent_s,
+            pauses=budgets.pauses,
             sessions=counters.sessions,
-            connections=len(self._connections),
+            connections=len(self._own()),
             unauthenticated=len(self._admission),
             max_clients=self.limits.max_clients,
             tasks=len(asyncio.all_tasks()),
             entities=entities,
             max_ros_entities=self.limits.max_ros_entities,
             control=self._router.control(),
-            shared_names=tuple(self._router.shared_names()),
+            shared_names=tuple(self._router.ros.diagnosis.shared_names()),
             handshakes_refused=counters.handshakes_refused.copy(),
             authentication_failures=self._admission.failures.copy(),
             ends=counters.ends.copy(),
@@ -189,19 +170,17 @@ class Server:
 
     # For connections
 
-    def arrive(self, connection: Connection) -> None:
-        """Add a connection. If too many are not clients yet, the greediest address loses one."""
-        self._connections[connection] = None
-        self._all_gone.clear()
-        half_open = [other for other in self._connections if other.is_half_open]
-        if len(half_open) > MAX_HANDSHAKES:
-            counts = Counter(other.address for other in half_open)
-            oldest = max(half_open, key=lambda other: counts[other.address])  # the first of equals
-            text = f"no handshake, and {MAX_HANDSHAKES} others wait"
-            oldest.abort(EndCause("gateway", "handshake", text))
-        leaving = [other for other in self._connections if other.is_leaving]
-        if len(leaving) > MAX_LEAVING:
-            leaving[0].abort()
+    def of(self, request: Request) -> "Server":
+        """Return the server that answers a request: this one."""
+        del request
+        return self
+
+    def choose(self, offered: Sequence[str]) -> str | None:
+        """Return the subprotocol to confirm to a client."""
+        return self.fronts.choose(offered)
+
+    def _own(self) -> list[Connection]:
+        return [each for each in self.connections if each.server is self]
 
     def _metrics(
         self, protocol: ServerProtocol, request: Request, connection: HttpConnection
@@ -213,7 +192,7 @@ class Server:
             return unauthenticated(protocol, error)
         if method_of(request) == "HEAD":
             return page(protocol, request, None, CONTENT_TYPE)
-        if sum(each.awaits_page for each in self._connections) >= MAX_PAGES:
+        if sum(each.awaits_page for each in self.connections) >= MAX_PAGES:
             return protocol.reject(503, f"busy: {MAX_PAGES} others get metrics. Try again later\n")
 
         def reply(body: bytes | None) -> None:
@@ -258,18 +237,6 @@ class Server:
         """Return the response to bytes that are not an HTTP request."""
         return self._http.malformed(start)
 
-    def _room_for(self, connection: ClientConnection) -> str | None:
-        """Return the reason why there is no room for a client, or ``None``."""
-        sessions = [(other, other.session) for other in self._connections]
-        clients = [each for each, session in sessions if session and session.identity]
-        limits = self.limits
-        if len(clients) >= limits.max_clients:
-            return f"over capacity: at most {limits.max_clients} clients (limits.max_clients)"
-        same = sum(other.address == connection.address for other in clients)
-        if same >= limits.max_clients_per_address:
-            return f"over capacity: {same} clients of one address (limits.max_clients_per_address)"
-        return None
-
     def enter(self, connection: Connection, front: Front, request: Request) -> ClientSession | None:
         """Open a session for a connection, or reject it."""
         options = url_options(request.path)
@@ -280,9 +247,8 @@ class Server:
             text = None if code is None else front.rejection(code, reason)
             connection.reject(error.close_code, reason, text)
             return None
-        session = front.open(connection.flush, connection.address, identity)
-        session.client = connection.name
-        options.apply(session)
+        authenticate = partial(self._admission.authenticate, connection)
+        session = front.open(connection.peer(identity, options, authenticate))
         self._counters.began()
         self._admission.enter(connection, session, request, time.monotonic())
         return session
@@ -293,7 +259,7 @@ class Server:
         Everything that a client has open ends at once. A robot must not wait for a handshake.
         """
         clients: list[tuple[ClientConnection, ClientSession]] = [
-            (each, each.session) for each in self._connections if each.session is not None
+            (each, each.session) for each in self._own() if each.session is not None
         ]
         clients += [each for front in self._path_fronts for each in front.sessions()]
         for session in self._admission.reload(tokens, policy, clients):
@@ -307,9 +273,7 @@ class Server:
         self, connection: Connection, session: ClientSession | None, end: ConnectionEnd
     ) -> None:
         """Close everything that a connection had open."""
-        self._connections.pop(connection, None)
-        if not self._connections:
-            self._all_gone.set()
+        self.connections.discard(connection)
         self._admission.left(connection, session)
         was_client = session is not None or any(connection in front for front in self._path_fronts)
         try:
@@ -321,29 +285,3 @@ class Server:
         finally:  # after a robot was stopped
             self._counters.ended(end, was_client=was_client)
             end.log()
-
-    async def _tick(self) -> None:
-        while True:
-            due_s = time.monotonic() + TICK_S
-            await asyncio.sleep(TICK_S)
-            now_s = time.monotonic()
-            self._counters.late(now_s - due_s)
-            self.budgets.expire(now_s)
-            self._admission.tick(now_s)
-            for connection in list(self._connections):
-                try:
-                    connection.tick(now_s)
-                except Exception:  # our fault must not end the keep-alive of others
-                    client = {"client": connection.name}
-                    logger.exception("keeping the times of a client failed", extra=client)
-                    connection.abort(EndCause("gateway", "internal_error", "internal error"))
-
-    async def _close_all(self) -> None:
-        for connection in list(self._connections):
-            connection.close(GOING_AWAY, "the gateway is shutting down")
-        with contextlib.suppress(TimeoutError):
-            async with timeout(min(self.limits.close_timeout_s, MAX_GOODBYE_S)):
-                await self._all_gone.wait()
-        for connection in list(self._connections):
-            connection.abort()
-        await self._all_gone.wait()

@@ -26,13 +26,17 @@ _TYPES: Final = {
     ".html": "text/html; charset=utf-8",
     ".css": "text/css; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
+    ".ts": "text/plain; charset=utf-8",  # types of modules, for editors
     ".svg": "image/svg+xml",
+    ".png": "image/png",
+    ".webmanifest": "application/manifest+json",
 }
 # Nothing from elsewhere, nothing inline, and in nobody else's frame.
 _POLICY: Final = "; ".join(
     [
         "default-src 'self'",
         "img-src 'self' data: blob:",
+        "manifest-src 'self'",
         "object-src 'none'",
         "base-uri 'none'",
         "form-action 'none'",
@@ -44,7 +48,7 @@ _HEADERS: Final = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-cache",  # kept, and asked for by its ETag each time
-    "Vary": "Accept, Accept-Encoding",
+    "Vary": "Accept, Accept-Encoding, Origin",
 }
 
 
@@ -67,28 +71,41 @@ class StaticFile:
 class StaticFiles:
     """The files of a folder by their path below it, such as ``/debug/main.js``."""
 
-    def __init__(self, files: Mapping[str, StaticFile]) -> None:
+    def __init__(self, files: Mapping[str, StaticFile], pages: Mapping[str, bytes]) -> None:
+        """*pages* are the ones whose content depends on the place. See `at`."""
         self._files = files
+        self._pages = pages
 
     @classmethod
-    def read(cls, root: Path, websocket_path: str) -> "StaticFiles":
+    def read(cls, root: Path, websocket_path: str = "/") -> "StaticFiles":
         """Read a folder. Its pages learn where the WebSocket is."""
-        files = {}
+        files, pages = {}, {}
         for path in sorted(root.rglob("*")):
             if content_type := _TYPES.get(path.suffix):
                 body = path.read_bytes()
-                if path.suffix == ".html":
-                    body = body.replace(b"{{websocket_path}}", html.escape(websocket_path).encode())
                 name = f"/{path.relative_to(root).as_posix()}"
-                files[name] = StaticFile.of(content_type, body)
-        return cls(files)
+                if path.suffix == ".html":
+                    pages[name] = body
+                else:
+                    files[name] = StaticFile.of(content_type, body)
+        return cls(files, pages).at("", websocket_path)
+
+    def at(self, base: str, websocket_path: str) -> "StaticFiles":
+        """Return the files for a place where *base* comes before every path."""
+        places = {b"{{base}}": base, b"{{websocket_path}}": base + websocket_path}
+        filled = {}
+        for name, page in self._pages.items():
+            for place, path in places.items():
+                page = page.replace(place, html.escape(path).encode())
+            filled[name] = StaticFile.of(_TYPES[".html"], page)
+        return StaticFiles({**self._files, **filled}, self._pages)
 
     def find(self, path: str) -> StaticFile | None:
         """Return a file by its path, which is looked up and never opened."""
         return self._files.get(path)
 
 
-NO_FILES: Final = StaticFiles({})
+NO_FILES: Final = StaticFiles({}, {})
 
 
 def response_of(protocol: ServerProtocol, request: Request, file: StaticFile) -> Response:

@@ -7,7 +7,6 @@ from urllib.parse import parse_qs, urlsplit
 
 from gateway.core.errors import SEVERITY, Level, StatusCode
 from gateway.core.requests import IMAGE_FORMATS, ImageFormat
-from gateway.transport.front import ClientSession
 
 
 class UrlOptionError(ValueError):
@@ -23,12 +22,6 @@ class UrlOptions(NamedTuple):
     def told(self, code: StatusCode) -> StatusCode | None:
         """Return the code of a `status` to a client that is rejected, if it asks for one."""
         return None if self.status in {None, "none"} else code
-
-    def apply(self, session: ClientSession) -> None:
-        """Apply the options of an address to a client."""
-        session.image_format = self.images or session.image_format
-        if self.status is not None:
-            session.set_level(self.status)
 
 
 def url_options(target: str) -> UrlOptions:

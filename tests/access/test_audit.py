@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway import app
+from gateway import forced_end
 from gateway.access import audit_file
 from gateway.access.audit import MAX_LINES, MAX_VALUE_CHARACTERS, Audit
 from gateway.access.audit_file import AuditFile
@@ -199,7 +199,7 @@ def test_a_disk_that_hangs_leaves_the_shutdown_its_time(tmp_path, monkeypatch):
     monkeypatch.setattr(file._thread, "join", waits_s.append)
     file.close()
     assert waits_s == [0.3, 0.3]  # for room, and for what is written
-    assert sum(waits_s) + supervisor.END_S < app.SHUTDOWN_S
+    assert sum(waits_s) + supervisor.END_S < forced_end.SHUTDOWN_S
 
 
 def test_a_full_disk_is_logged_once_and_when_it_is_over(tmp_path, monkeypatch, caplog):

@@ -3,7 +3,8 @@
 
 import pytest
 
-from benchmarks.hostile_frames import Bomb, bombs, plain_frames
+from benchmarks.bombs import Bomb, bombs
+from benchmarks.hostile_frames import plain_frames
 from gateway.codec import cbor_reader
 from gateway.codec.cdr.misfits import TooManyFieldsError
 from gateway.codec.error_text import JsonError

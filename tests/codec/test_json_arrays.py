@@ -122,6 +122,11 @@ def pauses(text: bytes) -> int:
     return sum(1 for _ in loads_in_slices(text))
 
 
+def test_a_text_of_1_mib_is_looked_at_in_four_pieces():
+    text = b"[" + b" " * (1024**2 - 2) + b"]"
+    assert sum(1 for _ in json_bounds.outline(text, 10, takes_arrays=False)) == 4 - 1
+
+
 def test_others_have_their_turn_while_a_long_text_is_looked_at_and_read():
     assert pauses(b'["' + b"a" * 1024**2 + b'"]') >= 4
     assert pauses(b"[" + b"1," * 512 * 1024 + b"1]") >= 4 + 16

@@ -6,6 +6,7 @@ import contextlib
 import json
 from collections.abc import AsyncIterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
@@ -13,8 +14,11 @@ import pytest
 from gateway.access.permissions import UNLIMITED, Identity
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
-from gateway.core.errors import Level
+from gateway.core.errors import Level, ProtocolError
+from gateway.core.peer import ClientTurns, Peer
+from gateway.core.requests import Request
 from gateway.core.router import Router
+from gateway.core.session import Session
 from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.sources.guard import Guard
@@ -38,6 +42,29 @@ TWIST = "geometry_msgs/msg/Twist"
 LIMITS = Limits(max_subscriptions=4, max_advertisements=3)
 
 
+@dataclass(frozen=True)
+class LoneCore:
+    """The part of the router that a session needs, for one that is alone."""
+
+    limits: Limits = field(default_factory=Limits)
+    image_format: str = "jpeg"
+
+    def check_share(self, session: Session) -> None:
+        pass
+
+    def is_driven_by(self, session: Session) -> bool:
+        return False
+
+    def record_forbidden(self, session: Session, error: ProtocolError, request: Request) -> None:
+        pass
+
+
+def lone_session(limits: Limits | None = None, **of_peer: Any) -> RosbridgeSession:
+    """Return a session without a router."""
+    peer = Peer(wake=lambda: None, **of_peer)
+    return RosbridgeSession(LoneCore(limits or Limits()), peer)
+
+
 class Socketless:
     """A client whose frames are taken from its outbox as soon as it is woken."""
 
@@ -47,6 +74,7 @@ class Socketless:
         address: str,
         identity: Identity | None = UNLIMITED,
         level: Level | None = "warning",
+        **of_peer: Any,
     ) -> None:
         self.front = front
         self.router = front.core
@@ -54,9 +82,17 @@ class Socketless:
         self.wires: list[bytes] = []
         self.is_paused = False
         self.is_flushing = False
-        self.session: RosbridgeSession = front.open(self.flush, address, identity)
-        if level is not None:  # else it is a client of rosbridge
-            self.session.set_level(level)
+        self.turns: Any = ClientTurns()  # a test replaces what it asks for
+        self.session: RosbridgeSession = front.open(
+            Peer(
+                wake=self.flush,
+                address=address,
+                identity=identity,
+                level=level,  # None: it is a client of rosbridge
+                turns=self.turns,
+                **of_peer,
+            )
+        )
 
     def flush(self) -> None:
         if self.is_flushing:  # as a connection does: rendering may report an error
@@ -113,8 +149,9 @@ class Bench:
         *,
         identity: Identity | None = UNLIMITED,
         level: Level | None = "warning",
+        **of_peer: Any,
     ) -> Socketless:
-        return Socketless(self.front, address, identity, level)
+        return Socketless(self.front, address, identity, level, **of_peer)
 
     def sender(self, **operation: Any) -> Socketless:
         """Return a client that begins with an operation."""

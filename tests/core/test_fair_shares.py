@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway.core.outbox import Outbox, Queue
+from gateway.core.outbox import Outbox
+from gateway.core.queue import Queue
 
 LENGTH = 100
 ROOM = 256 * 1024

@@ -9,8 +9,8 @@ import pytest
 
 from gateway.core import learned_types
 from gateway.core.learned_types import LOOK_S
-from gateway.sources.rclpy import node_definitions
-from gateway.sources.rclpy.node_definitions import TypeHolder, _Silence
+from gateway.sources import node_definitions
+from gateway.sources.node_definitions import TypeHolder, _Silence
 from gateway.sources.services import ServiceRequest
 from schemas.definition_text import parse_definition
 from schemas.installed import InstalledDefinitions

@@ -107,7 +107,7 @@ async def test_topics_the_graph_and_health_need_no_optional_part(lacking: Bench)
     assert answer["result"]
     assert "/a" in answer["values"]["topics"]
     assert lacking.router.counts()["ros_entities"] == 0
-    assert list(lacking.router.shared_names()) == []
+    assert list(lacking.router.ros.diagnosis.shared_names()) == []
 
 
 @pytest.mark.parametrize("lacking", [["guard"]], indirect=True)

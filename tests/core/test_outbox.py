@@ -6,7 +6,8 @@ from hypothesis import strategies as st
 
 from gateway.codec.chunks import Chunks
 from gateway.core.entries import NOT_READY, NOTHING, Frame
-from gateway.core.outbox import Outbox, Queue
+from gateway.core.outbox import Outbox
+from gateway.core.queue import Queue
 
 
 @dataclass

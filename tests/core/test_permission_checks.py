@@ -17,13 +17,16 @@ from gateway.config.access import (
     RoleConfig,
     ViewerConfig,
 )
+from gateway.core import requests
 from gateway.core.errors import ProtocolError
+from gateway.core.peer import Peer
 from gateway.core.permission_checks import may_carry_out
 from gateway.core.requests import Request
 from gateway.fronts.rosbridge.operations import ClientOperation
 from tests.client import eventually
 from tests.core.conftest import FIBONACCI, STRING, TRIGGER, Bench, Socketless
 from tests.core.rosapi.scripted import ScriptedNodes
+from tests.fronts.lines import LineFront
 
 HIDING = AccessConfig(
     viewer=ViewerConfig(
@@ -355,9 +358,8 @@ async def test_a_client_that_has_not_authenticated_may_do_nothing(bench: Bench) 
 async def test_auth_goes_to_who_knows_the_tokens_and_is_ignored_where_nobody_does(
     bench: Bench,
 ) -> None:
-    client = bench.client(identity=None)
     asked = []
-    client.session.authenticate = lambda token, _: asked.append(token)
+    client = bench.client(identity=None, authenticate=lambda token, _: asked.append(token))
     client.send(op="auth", token="r2g_x")  # noqa: S106  # none of ours
     client.send(op="auth", mac="x")
     assert asked == ["r2g_x", None]
@@ -383,6 +385,16 @@ async def test_a_forbidden_operation_is_recorded_without_the_payload(bench: Benc
     assert "payload" not in record.getMessage()
 
 
+async def test_a_refusal_of_any_front_is_counted_and_recorded(bench: Bench, caplog) -> None:
+    front = LineFront(bench.router)
+    session = front.open(Peer(wake=lambda: None, identity=identity("viewer")))
+    caplog.set_level(logging.DEBUG, "gateway.audit")
+    request = requests.Publish(topic="/cmd_vel", type=STRING, msg={})
+    bench.router.carry_out(session, request)
+    (event,) = [json.loads(record.getMessage()) for record in caplog.records]
+    assert (event["event"], event["op"], session.refused) == ("forbidden", "publish", 1)
+
+
 def test_these_operations_are_for_everybody_alone_or_checked_later():
     made = [model.makes for model in get_args(ClientOperation)]
     assert {request.kind for request in made if not request.needs_permission} == {
@@ -391,7 +403,7 @@ def test_these_operations_are_for_everybody_alone_or_checked_later():
         *("cancel_transform", "stop", "acquire_control", "release_control", "control"),
         *("list_parameters", "get_parameters", "set_parameters", "describe_parameters"),
         *("ping", "hello", "help", "describe", "generate", "fetch_asset", "graph", "events"),
-        *("set_level", "auth"),
+        *("set_level", "auth", "record", "log"),
     }
 
 

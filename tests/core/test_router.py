@@ -1,13 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 from functools import partial
+from typing import get_args
 
 import pytest
 
+from gateway.core import requests
 from gateway.core.errors import ProtocolError
-from gateway.core.requests import Publish
+from gateway.core.requests import AnyRequest, Publish, Request
 from gateway.sources.source import RosError
 from tests.core.conftest import Bench
 from tests.sources.fake_services import FakeService
+
+
+def test_the_union_that_mypy_checks_the_router_against_has_each_request():
+    classes = {each for each in vars(requests).values() if isinstance(each, type)}
+    made = {each for each in classes if issubclass(each, Request) and hasattr(each, "kind")}
+    assert set(get_args(AnyRequest)) == made
 
 
 async def test_hello_says_who_answers(bench: Bench):
@@ -15,6 +23,7 @@ async def test_hello_says_who_answers(bench: Bench):
     (hello,) = client.frames
     assert (hello["server"], hello["version"], hello["id"]) == ("ros2-json-gateway", "test", 1)
     assert hello["ros_distro"] == "jazzy"
+    assert hello.items() >= bench.ros.network.items()
     assert hello["limits"]["subscriptions"] == 4
 
 

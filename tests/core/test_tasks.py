@@ -28,7 +28,7 @@ async def test_a_request_that_waits_for_its_turn_fails_after_10_s(
 async def test_a_client_spends_the_time_that_its_task_works_but_not_waits(bench: Bench):
     client = bench.client()
     spent_s: list[float] = []
-    client.session.spend = lambda seconds, now_s: spent_s.append(seconds) is None
+    client.turns.spend = lambda seconds, now_s: spent_s.append(seconds) is None
     client.send(op="lookup_transform", id=1, target_frame="a", source_frame="b", timeout=0)
     await client.sees(1, "status")
     assert spent_s

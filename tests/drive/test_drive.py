@@ -6,7 +6,7 @@ import pytest
 from gateway.drive.burst import BACKLOG
 from gateway.drive.effects import Clamped
 from gateway.drive.velocity import Velocity
-from tests.drive.histories import Stage
+from tests.drive.histories import MS, Stage
 
 # The events that stop a robot which "a" drives, with the cause
 STOPS = {
@@ -196,6 +196,12 @@ HISTORIES = {
     "a command that waited while the gateway stood still does not go out": (
         "go 5000ms >go,zero*5 go freeze=600 tick refused=tripped >"
     ),
+    "a single command that the gateway looks at 250 ms late does not go out": (
+        "go 5000ms >go,zero*5 go freeze=500 tick refused=tripped >"
+    ),
+    "a single command that the gateway looks at a little earlier goes out": (
+        "go 5000ms >go,zero*5 go freeze=499 tick refused=none >go"
+    ),
     **{
         f"{end} takes back a single command that waits": (  # it is due, and nobody has looked
             f"go 5000ms >go,zero*5 go freeze=260 {end} still"
@@ -339,6 +345,13 @@ def test_rule(history: str):
 )
 def test_while_the_guard_starts(history: str):
     Stage("starting").play(history)
+
+
+def test_a_command_waits_no_longer_than_its_client_has_control():
+    stage = Stage("starting", lease_ns=600 * MS)
+    stage.play(
+        "go 599ms refused=none holder=a 1ms refused=tripped holder=none guard=ready 1000ms >"
+    )
 
 
 def test_without_the_guard_commands_to_move_are_refused_and_zeros_pass():

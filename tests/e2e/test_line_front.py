@@ -5,8 +5,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from websockets.asyncio.client import connect
 
+from gateway.core.errors import StatusCode
+from gateway.core.peer import Peer
+from gateway.core.router import Router
+from gateway.transport.front import ClientSession
+from tests.fronts.lines import LineFront, LineSession
 from tests.gateway_process import gateway_process
 
 SOURCE = "tests.sources.replayed:open_source"
@@ -56,6 +62,44 @@ def test_an_unknown_front_is_refused():
 def test_two_fronts_with_one_subprotocol_are_refused():
     text = f"--front: {FRONT} and {FRONT} both have subprotocol 'lines': leave out one of them"
     assert text in refused(FRONT, FRONT)
+
+
+class WithoutReceive:
+    """A front that forgets to read."""
+
+    subprotocols = ("silent",)
+
+    def __init__(self, _: Router) -> None: ...
+
+    def open(self, _: Peer) -> LineSession:
+        raise AssertionError("it is refused before")
+
+    def rejection(self, _: StatusCode, __: str) -> bytes:
+        return b""
+
+
+class WithoutWarnings(LineFront):
+    """A front whose sessions cannot warn."""
+
+    def open(self, peer: Peer) -> LineSession:
+        class Terse(LineSession):
+            warn = ClientSession.warn  # which is abstract
+
+        return Terse(self._core, peer)
+
+
+@pytest.mark.parametrize(
+    ("front", "lacks"),
+    [
+        ("WithoutReceive", "does not have receive: add what gateway.transport.front:Front asks"),
+        ("WithoutWarnings", "cannot open a session, "),
+    ],
+)
+def test_a_front_that_lacks_a_method_is_refused_at_the_start(front: str, lacks: str):
+    text = refused(f"{__name__}:{front}")
+    assert f"--front: {__name__}:{front} {lacks}" in text
+    assert "Traceback" not in text
+    assert front != "WithoutWarnings" or "warn" in text
 
 
 def test_the_example_stays_short():

@@ -14,9 +14,10 @@ from std_msgs.msg import String
 
 from tests.client import TIMEOUT_S, Client, Frame, client, eventually
 from tests.gateway_process import GatewayProcess, gateway_process
+from tests.sources.conftest import needs_qos
 from tests.sources.outside import Outside
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = [pytest.mark.asyncio(loop_scope="module"), needs_qos]
 
 RELIABLE, BEST_EFFORT = ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT
 LATCHED, VOLATILE = DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE

@@ -5,14 +5,13 @@ A client with the subprotocol ``lines`` sends ``watch TOPIC``, ``unwatch TOPIC``
 gets ``TOPIC MESSAGE``, with the message in JSON, ``ok TEXT`` and ``error TEXT``.
 """
 
-from collections.abc import Callable
 from typing import Any
 
-from gateway.access.permissions import Identity
 from gateway.codec.chunks import Chunks
 from gateway.codec.json import dumps
-from gateway.core.errors import Level, ProtocolError, StatusCode
+from gateway.core.errors import ProtocolError, StatusCode
 from gateway.core.frames import Framing, PerClient, PublishFrames
+from gateway.core.peer import Peer
 from gateway.core.requests import (
     Request,
     RequestId,
@@ -64,11 +63,7 @@ class LineSession(ClientSession):
     def is_stop(self, data: bytes) -> bool:
         return data.strip() == b"stop"
 
-    def set_level(self, level: Level) -> None:
-        """Tell everything, whatever the address of the client says."""
-
-    def refuse(self, error: ProtocolError, request: Request | None = None) -> None:
-        self.refused += 1
+    def send_refusal(self, error: ProtocolError, request: Request | None) -> None:
         self.say(f"error {error}")
 
     def warn(self, error: ProtocolError, request: Request) -> None:
@@ -92,11 +87,9 @@ class LineFront:
     def __init__(self, core: Router) -> None:
         self._core = core
 
-    def open(
-        self, wake: Callable[[], None], address: str, identity: Identity | None
-    ) -> LineSession:
-        session = LineSession(self._core.limits, wake, identity)
-        self._core.enter(session, address)
+    def open(self, peer: Peer) -> LineSession:
+        session = LineSession(self._core, peer)
+        self._core.enter(session)
         return session
 
     def rejection(self, code: StatusCode, reason: str) -> bytes:

@@ -88,7 +88,7 @@ def run() -> None:
     from gateway import app
     from gateway.cli.main import main
 
-    app._loop_factory = lambda: MeasuredLoop
+    app.loop_factory = lambda: MeasuredLoop
     signal.signal(signal.SIGRTMIN, begin)
     gc.callbacks.append(_count_collection)
     code = main()

@@ -9,7 +9,14 @@ from tests.fuzz.target import check
 from tests.fuzz.targets import NAMES, load
 
 # as many as take a second or so
-CHANGES = {"operations": 120, "connection": 300, "cdr_decoder": 200, "fragments": 600}
+CHANGES = {
+    "operations": 120,
+    "connection": 300,
+    "cdr_decoder": 200,
+    "fragments": 600,
+    "zenoh_peers": 600,
+    "driving": 300,
+}
 OTHER_CHANGES = 2000
 
 

@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 from hypothesis import strategies as st
 
+from benchmarks import bombs as of_arrays
 from benchmarks import hostile_frames
 from benchmarks.hostile_frames import HostileFrame
 from gateway.fronts.rosbridge.operations import OPERATIONS
@@ -76,6 +77,14 @@ SUBSCRIBING = [
             {"depth_range_m": [1]},
             {"other": 1},
         )
+    ),
+    *(
+        maybe({"cloud": options})
+        for options in ({}, {"max_points": 5}, {"voxel_m": 0.1, "fields": ["x"]})
+    ),
+    *(
+        bad({"cloud": options})
+        for options in ({"max_points": 0}, {"voxel_m": 0}, {"fields": 1}, {"other": 1})
     ),
     *(
         maybe({"qos": qos}, "bad_request", "qos_incompatible")
@@ -169,6 +178,12 @@ ASKED_OF_NODES: list[dict[str, Any]] = [
         for offset in (0, -1, 2**63, 1e308, "x")
     ),
     *(
+        {"op": "record", "action": action, "topics": topics, "episode": episode, "text": text}
+        for action in ("start", "stop", "mark", "status", "x")
+        for topics in (None, ["**"], ["/a b"], [], 7)
+        for episode, text in (("start", "x"), ("end", "x" * 201), (7, None))
+    ),
+    *(
         {"op": op, "node": node}
         for op in ("list_parameters", "get_parameters", "describe_parameters")
         for node in ("/ros2_gateway_debug", "outside", "/nobody", "", "a b", "/" * 9)
@@ -241,7 +256,7 @@ def bombs() -> list[HostileFrame]:
     """Return messages that take most for what they say: as many elements as are looked at."""
     found = [
         each.frame(min(20_000, 900_000 // (len(each.element) + 1)))
-        for each in hostile_frames.bombs(types.definitions())
+        for each in of_arrays.bombs(types.definitions())
         if each.type_name.startswith(("visualization_msgs", "nav_msgs", "trajectory_msgs"))
     ]
     plain = [each for each in hostile_frames.plain_frames() if len(each.data) < 2**20]

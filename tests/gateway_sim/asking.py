@@ -8,7 +8,7 @@ from action_msgs.srv import CancelGoal
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 
 from gateway.codec.cdr import compile_decoder, compile_encoder
-from gateway.sources.rclpy.goal_ids import without_goal_id
+from gateway.sources.goal_ids import without_goal_id
 from gateway_sim.goal_server import MAX_WAITING
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions

@@ -12,7 +12,7 @@ import pytest
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
-from nav_msgs.msg import OccupancyGrid, Odometry
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from rcl_interfaces.msg import Log
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -24,9 +24,11 @@ from sensor_msgs.msg import (
     Imu,
     JointState,
     LaserScan,
+    PointCloud2,
 )
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
+from visualization_msgs.msg import MarkerArray
 
 from gateway.errors import ConfigError
 from gateway_sim.node import SimOptions
@@ -115,6 +117,9 @@ def test_every_topic_delivers(watcher):
         (Image, "/camera/image_raw"),
         (CompressedImage, "/camera/image_raw/compressed"),
         (CameraInfo, "/camera/camera_info"),
+        (PointCloud2, "/points"),
+        (MarkerArray, "/markers"),
+        (Path, "/plan"),
     ):
         watcher.subscribe(message_type, topic)
     watcher.until(lambda: all(watcher.received.values()), what="a message on each topic")
@@ -123,6 +128,8 @@ def test_every_topic_delivers(watcher):
         ("/odom", "odom"),
         ("/imu", "imu_link"),
         ("/scan", "base_scan"),
+        ("/points", "base_scan"),
+        ("/plan", "map"),
         ("/camera/image_raw", "camera_rgb_optical_frame"),
         ("/camera/image_raw/compressed", "camera_rgb_optical_frame"),
         ("/camera/camera_info", "camera_rgb_optical_frame"),
@@ -136,6 +143,12 @@ def test_every_topic_delivers(watcher):
     assert len(last["/scan"].ranges) == 360
     assert last["/scan"].ranges[180] == pytest.approx(2.0, abs=0.05), "the west wall"
     assert 0.5 < last["/battery_state"].percentage <= 1
+    cloud = last["/points"]
+    places = np.frombuffer(cloud.data, "<f4").reshape(cloud.width, 5)[:, :3]
+    assert places.min(axis=0) == pytest.approx([-2.0, -2.5, -0.132], abs=0.05), "walls and floor"
+    assert places.max(axis=0)[:2] == pytest.approx([4.0, 2.5], abs=0.05)
+    assert {each.text for each in last["/markers"].markers} >= {"red crate", "violet pillar"}
+    assert last["/plan"].poses == []
     names = [status.name for status in last["/diagnostics"].status]
     assert names == ["motors", "battery", "lidar", "camera"]
 

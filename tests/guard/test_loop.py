@@ -51,6 +51,7 @@ class Pipe:
         self.flushes: list[float] = []
         self.found_s = {"robot": float("inf")}  # when discovery finds whom
         self.acknowledges_after_s = 0.0
+        self.cut_off_s = float("inf")
         self.publisher = Publisher(
             lambda: self.now_s, lambda: self.now_s >= self.acknowledges_after_s
         )
@@ -66,9 +67,17 @@ class Pipe:
 
     def run(self) -> None:
         """Run a guard until the pipe has ended, and everything stands."""
-        ros = SimpleNamespace(
+        pipe = self
+
+        class Node(SimpleNamespace):
+            @property
+            def is_cut_off(self) -> bool:
+                return pipe.now_s >= pipe.cut_off_s
+
+        ros = Node(
             advertise=lambda *_: self.publisher,
             flush=self.flushes.append,
+            moves=lambda _: None,
             readers=lambda _: {who for who, at_s in self.found_s.items() if self.now_s >= at_s},
         )
         GuardLoop(ros, round((0.5 + MARGIN_S) * S), ANSWERS).run()  # type: ignore[arg-type]
@@ -205,3 +214,12 @@ def test_a_line_has_4096_bytes_at_most(pipe: Pipe) -> None:
     guard._take(b"x" * 4096)
     with pytest.raises(SystemExit):
         guard._take(b"x")
+
+
+def test_a_guard_that_is_cut_off_from_the_robot_sends_a_zero_says_so_and_ends(pipe: Pipe) -> None:
+    pipe.written = [opening("robot"), (0.1, ["moving", TOPIC, 0, ""])]
+    pipe.end_s = 60.0
+    pipe.cut_off_s = 0.1
+    pipe.run()
+    assert pipe.answered("cut off") == [pytest.approx(0.1, abs=0.021)]
+    assert pipe.publisher.zeros_s == [pytest.approx(0.1, abs=0.021)]

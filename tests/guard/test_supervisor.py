@@ -73,7 +73,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 async def supervised(source: str) -> AsyncIterator[tuple[GuardProcess, list[GuardState]]]:
     """Run a stand-in, and yield its supervisor and the states of one topic."""
     states: list[GuardState] = []
-    async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
+    async with GuardProcess("", {}, deadline_s=0.5) as guard:
         guard.command = (sys.executable, "-c", source)
         guard.start()
         guard.open(TOPIC, TWIST, ["b", "a"], states.append)
@@ -94,6 +94,13 @@ async def test_a_topic_that_was_opened_before_the_guard_was_ready_is_opened_then
         pid = guard.pid
         assert pid is not None
     assert not is_running(pid)
+
+
+async def test_a_guard_that_is_cut_off_counts_as_lost(caplog):
+    async with supervised("print('[\"cut off\"]', flush=True); input()") as (guard, states):
+        await eventually(lambda: states == ["lost"])
+        assert guard.losses == 1
+    assert "commands do not get through to the robot" in caplog.text
 
 
 async def test_an_answer_to_an_earlier_question_says_nothing_about_newer_listeners():
@@ -167,7 +174,7 @@ async def test_a_guard_that_gets_no_message_owes_no_answer(clock: Clock):
 
 
 async def test_a_guard_that_cannot_be_started_is_tried_again():
-    async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
+    async with GuardProcess("", {}, deadline_s=0.5) as guard:
         guard._restart_s = 0.01
         guard.command = ("/nowhere/python",)
         guard.start()
@@ -187,9 +194,9 @@ def test_a_guard_that_ran_for_a_minute_is_replaced_at_once_and_another_after_30_
 
     pipes = SimpleNamespace(Popen=lost_after_a_while, PIPE=subprocess.PIPE)
     monkeypatch.setattr(supervisor, "subprocess", pipes)
-    GuardProcess("_guard", "/", None, deadline_s=0.5).start()
+    GuardProcess("", {}, deadline_s=0.5).start()
     assert [timers.next_turn() for _ in range(8)] == [0.5, 1, 2, 4, 8, 16, 30, 30]
-    ran_s = 55.0  # not long enough, from now on
+    ran_s = 60.0  # not long enough, from now on
     timers.next_turn()
     assert timers.next_turn() == 30
     ran_s = 61.0
@@ -200,7 +207,7 @@ def test_a_guard_that_ran_for_a_minute_is_replaced_at_once_and_another_after_30_
 async def test_a_guard_that_does_not_end_is_killed(monkeypatch):
     monkeypatch.setattr(supervisor, "END_S", 0.05)
     stubborn = "import time\nprint('[\"ready\"]', flush=True)\ntime.sleep(600)"
-    async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
+    async with GuardProcess("", {}, deadline_s=0.5) as guard:
         guard.command = (sys.executable, "-c", stubborn)
         guard.start()
         pid = guard.pid
@@ -216,7 +223,7 @@ def test_the_guard_acts_after_the_time_that_is_promised():
 
 @pytest.mark.parametrize("deadline_s", [0.1, 0.5, 2.0])
 def test_the_guard_waits_for_the_configured_deadline_and_its_margin(deadline_s: float):
-    guard = GuardProcess("_guard", "/", None, deadline_s=deadline_s)
+    guard = GuardProcess("", {}, deadline_s=deadline_s)
     silence_s = orjson.loads(guard.command[-1])["silence_ns"] / 1e9
     assert silence_s == pytest.approx(deadline_s + MARGIN_S)
 
@@ -236,12 +243,24 @@ async def test_a_lost_guard_is_a_fault_until_another_is_ready():
 
 
 async def test_a_topic_that_is_opened_while_no_guard_is_there_is_told_so():
-    async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
+    async with GuardProcess("", {}, deadline_s=0.5) as guard:
         guard.command = ("/nowhere/python",)
         guard.start()
         states: list[GuardState] = []
         guard.open(TOPIC, TWIST, [], states.append)
         assert states == ["lost"]
+
+
+async def test_a_guard_that_hangs_while_it_opens_another_topic_is_replaced(monkeypatch):
+    async with supervised(ANSWERS) as (guard, states):
+        await eventually(lambda: states == ["prepared"])
+        assert guard._overdue is None
+        monkeypatch.setattr(supervisor, "PREPARE_S", 0.01)
+        os.kill(guard.pid or 0, signal.SIGSTOP)
+        guard.open("/other", TWIST, [], lambda _: None)
+        await eventually(lambda: states == ["prepared", "lost"])
+        assert "has not opened a topic within" in guard.faults()[0].text
+        monkeypatch.undo()  # the next one gets its time
 
 
 @pytest.mark.parametrize("what", ["become ready", "opened a topic"])

@@ -10,7 +10,7 @@ from gateway.codec.types import Types
 from schemas import folders
 from schemas.backports import tomllib
 from schemas.definition import DefinitionError
-from schemas.folders import SHIPPED, TooManyFoldersError, find_definitions
+from schemas.folders import SHIPPED, STANDARD, TooManyFoldersError, find_definitions
 from schemas.installed import (
     MAX_DEFINITION_BYTES,
     InstalledDefinitions,
@@ -276,6 +276,21 @@ def test_all_that_is_shipped_makes_messages():
             cdr = types.get(part.name).encode({}, 0)
             assert types.get(part.name).decode(cdr).keys() == {each.name for each in part.fields}
             assert re.fullmatch("RIHS01_[0-9a-f]{64}", type_hash(part, definitions))
+
+
+def test_standard_types_are_those_of_the_wheels_for_machines_without_them():
+    installed, alone = InstalledDefinitions(), InstalledDefinitions([], [STANDARD])
+    for each in find_definitions(STANDARD):
+        name = f"{each.package}/{each.kind}/{each.name}"
+        found, expected = alone.get_any(name), installed.get_any(name)
+        parts = found.parts.values() if isinstance(found, Interface) else [found]
+        for part in parts:
+            assert type_hash(part, alone) == type_hash(installed.get(part.name), installed)
+        if not isinstance(found, Interface):
+            values = [(one.name, one.value) for one in expected.constants]
+            assert [(one.name, one.value) for one in found.constants] == values
+    for package in ("std_msgs", "geometry_msgs", "rcl_interfaces", "type_description_interfaces"):
+        assert set(installed.names([package])) == set(alone.names([package]))
 
 
 def test_shipped_types_are_of_packages_that_the_wheels_lack():

@@ -87,6 +87,7 @@ def test_a_nested_type_that_was_not_told_is_named(definitions: InstalledDefiniti
         ({LAMP: "Bulb bulb\n", BULB: "Lamp lamp\n"}, "nests itself"),
         ({LAMP: "uint64[1000000000] x\n"}, "over 50000 values"),
         ({LAMP: "bool on\n", "../../etc": ""}, "'../../etc' is not a valid message type name"),
+        ({LAMP: "bool on\n", "." * 101: ""}, r"^'\.{100}' is not a valid message type name"),
     ],
 )
 def test_too_many_definitions_are_refused(definitions, texts, words):

@@ -222,6 +222,12 @@ def test_an_invalid_transform_is_refused_and_changes_nothing(
     assert robot.revision == before
 
 
+def test_names_of_256_characters_are_accepted(robot: Buffer):
+    child, parent = "a" * 256, "b" * 256
+    fixed(robot, child, parent, 2)
+    assert robot.lookup(parent, child).transform == at(2)
+
+
 def test_clearing_leaves_what_is_fixed(robot: Buffer):
     robot.clear()
     assert robot.lookup("base_link", "laser").transform == at(1)

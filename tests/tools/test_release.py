@@ -9,14 +9,17 @@ import pytest
 
 from tools import release
 
-FILES = ("pyproject.toml", "CHANGELOG.md", "unity_client/package.json", "unity_client/CHANGELOG.md")
+FILES = (
+    *("pyproject.toml", "package.xml", "CHANGELOG.md", "unity_client/client/CHANGELOG.md"),
+    *(f"unity_client/{one}/package.json" for one in ("client", "displays", "robots")),
+)
 
 
 @pytest.fixture
 def tree(tmp_path: Path) -> Path:
     """Return a copy of the files that name a version."""
     for name in FILES:
-        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(release.ROOT / name, tmp_path / name)
     return tmp_path
 
@@ -27,11 +30,11 @@ def test_every_file_of_this_tree_names_the_same_version():
 
 
 def test_places_that_differ_are_listed_with_their_versions(tree: Path):
-    path = tree / "unity_client/package.json"
+    path = tree / "unity_client/displays/package.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | {"version": "9.9.9"}))
     with pytest.raises(release.ReleaseError) as caught:
         release.the_version(release.versions(tree))
-    assert "9.9.9  unity_client/package.json" in str(caught.value)
+    assert "9.9.9  unity_client/displays/package.json" in str(caught.value)
     assert "  pyproject.toml" in str(caught.value)
 
 

@@ -21,6 +21,7 @@ from gateway.access.permissions import Policy
 from gateway.access.tokens import Token, Tokens, make_token
 from gateway.access.web_rules import WebRules
 from gateway.config.access import AccessConfig, OperatorConfig, PageConfig, Role
+from gateway.core.peer import Peer
 from gateway.transport.admission import Admission
 from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.transport.conftest import Serve, Served
@@ -314,7 +315,7 @@ async def test_of_those_that_wait_one_of_the_greediest_address_makes_room(serve:
         admission = served.server._admission
         entrants = [ClientConnection(address) for address in ("a", "b", "b", "c")]
         for connection in entrants:
-            session = served.server.fronts.of(None).open(lambda: None, identity=None)
+            session = served.server.fronts.of(None).open(Peer(wake=lambda: None, identity=None))
             admission.enter(connection, session, None, 0.0)
             served.server._router.leave(session)
         assert [connection.codes for connection in entrants] == [[], [1013], [], []]
@@ -483,7 +484,7 @@ async def test_a_flood_of_frames_before_the_token_leaves_nothing_behind(serve: S
             with contextlib.suppress(ConnectionError):
                 assert (1008).to_bytes(2, "big") in await reader.read()
         writer.close()
-        await eventually(lambda: not served.server._connections)
+        await eventually(lambda: not served.server.connections)
         assert len(served.server._admission) == 0
 
 

@@ -25,6 +25,7 @@ from gateway.transport import time_budget as time_budget_module
 from gateway.transport import turns as turns_module
 from gateway.transport import writing as writing_module
 from gateway.transport.connection import Connection
+from gateway.transport.connections import Connections
 from gateway.transport.end import ConnectionEnd
 from gateway.transport.frame_reader import FrameReader
 from gateway.transport.front import ClientSession, Front, Fronts
@@ -105,6 +106,8 @@ class ServerInterface:
 
     def __init__(self, server: Server, pass_time: Callable[[float], None]) -> None:
         self._server = server
+        self.connections = Connections(server.limits)
+        self.connections.budgets = server.connections.budgets
         self._front = server.fronts.of(None)
         self.subprotocols = self._front.subprotocols
         self.fronts = Fronts(self)
@@ -117,8 +120,11 @@ class ServerInterface:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._server, name)
 
-    def arrive(self, connection: Connection) -> None:
-        pass
+    def of(self, request: Request) -> "ServerInterface":
+        return self
+
+    def choose(self, offered: Sequence[str]) -> str | None:
+        return self.fronts.choose(offered)
 
     def enter(self, connection: Connection, _: Front, request: Request) -> ClientSession | None:
         return self._server.enter(connection, self._front, request)
@@ -126,7 +132,7 @@ class ServerInterface:
     def receive(self, session: RosbridgeSession, data: bytes) -> None:
         self._pass_time(self.cost_s)
         self.received.append(data)
-        if session.is_overtaken:
+        if session.turns.is_overtaken:
             self.overtaken.append(data)
         self._front.receive(session, data)
 
@@ -458,7 +464,7 @@ def test_beyond_the_budget_the_newest_message_of_a_topic_of_depth_1_replaces_the
     assert len(heard) == 6
     heard.clear()
     session = wire.connection.session
-    session.is_behind = True
+    session.turns.is_behind = True
     wire.receive(burst)
     assert heard == [("/log", b"0"), ("/log", b"1"), ("/log", b"2"), ("/joy", b"2")]
     assert session.replaced == 2
@@ -468,11 +474,11 @@ def test_a_client_without_budget_is_behind_until_it_has_more(wire: Wire):
     session = wire.connection.session
     wire.server.cost_s = 0.3
     wire.receive(pings(1, 2))
-    assert session.is_behind
+    assert session.turns.is_behind
     wire.server.cost_s = 0
     wire.until_served()
     wire.receive(pings(3))
-    assert not session.is_behind
+    assert not session.turns.is_behind
 
 
 def test_input_after_a_pause_may_be_as_old_as_the_pause(wire: Wire):
@@ -481,7 +487,7 @@ def test_input_after_a_pause_may_be_as_old_as_the_pause(wire: Wire):
 
     def take(seconds: float) -> None:
         wire.take(seconds)
-        waited_s.append(session.waited_s())
+        waited_s.append(session.turns.waited_s())
 
     wire.server._pass_time = take
 
@@ -507,7 +513,7 @@ def test_input_up_to_three_turns_after_a_pause_may_have_waited(wire: Wire):
     waited_s: list[float] = []
     wire.server._pass_time = lambda cost_s: (
         wire.take(cost_s),
-        waited_s.append(session.waited_s()),
+        waited_s.append(session.turns.waited_s()),
     )
     for turns in range(5):
         wire.server.cost_s = 0.3
@@ -528,16 +534,16 @@ def test_a_full_buffer_may_have_more_behind_it(wire: Wire):
     wire.receive(pings(1))
     wire.until_served()
     wire.server.cost_s = 0.0
-    late_s = session.waited_s()
+    late_s = session.turns.waited_s()
     for _ in range(10):
         wire.receive(masked(Opcode.TEXT, bytes(100_000))[: 16 * 1024])
         wire.next_turn()
-        assert session.waited_s() == pytest.approx(late_s)
+        assert session.turns.waited_s() == pytest.approx(late_s)
     for _ in range(10):
         wire.receive(PONG)
     wire.take(5)
     wire.receive(PONG)
-    assert session.waited_s() == pytest.approx(0)
+    assert session.turns.waited_s() == pytest.approx(0)
 
 
 def test_reading_alone_is_paid_for(wire: Wire, monkeypatch: pytest.MonkeyPatch):
@@ -561,7 +567,7 @@ def test_a_read_costs_15_us(wire: Wire, monkeypatch: pytest.MonkeyPatch):
 
 def test_time_that_is_spent_elsewhere_is_paid_for_too(wire: Wire):
     session = wire.connection.session
-    session.spend(0.3, wire.now_s)  # as the tasks of its calls do
+    session.turns.spend(0.3, wire.now_s)  # as the tasks of its calls do
     assert wire.is_served
     wire.receive(pings(1))
     assert not wire.is_served
@@ -628,7 +634,7 @@ def test_a_long_message_or_one_that_only_contains_the_word_waits_for_its_turn(wi
 
 
 def test_a_stop_before_authentication_waits_for_its_turn(wire: Wire):
-    wire.connection.session.identity = None
+    wire.connection.session.sign_in(None)
     wire.server.cost_s = 0.005
     wire.receive(pings(1, 2) + masked(Opcode.TEXT, STOP))
     wire.until_served()
@@ -639,7 +645,7 @@ def test_a_large_message_that_a_stop_has_overtaken_is_so_when_it_is_carried_out(
     seen: list[tuple[str, bool]] = []
 
     def note(session: RosbridgeSession, op: str, *_: object, **__: object) -> None:
-        seen.append((op, session.is_overtaken))
+        seen.append((op, session.turns.is_overtaken))
 
     monkeypatch.setattr(RosbridgeSession, "answer", note)
     large = masked(Opcode.TEXT, padded_ping(8 * 1024 + 1))
@@ -667,33 +673,33 @@ def test_input_of_a_client_without_time_is_read_ahead_up_to_a_limit(wire, size, 
 
 
 def test_the_driver_goes_first_and_the_greediest_client_last(wire: Wire):
-    inbound, session = wire.connection._inbound, wire.connection.session
+    inbound = wire.connection._inbound
     assert inbound.rank(wire.now_s) == 1
     wire.connection.spending.spend(0.124, wire.now_s)
     assert inbound.rank(wire.now_s) == 1
     wire.connection.spending.spend(0.002, wire.now_s)
     assert inbound.rank(wire.now_s) == 2
-    session.drives = lambda: True
+    wire.server._router.is_driven_by = lambda _: True
     assert inbound.rank(wire.now_s) == 0
 
 
 def test_the_driver_waits_for_its_budget_and_not_for_others_of_its_address(wire: Wire):
     session = wire.connection.session
-    neighbour = wire.server.budgets.open("127.0.0.1")
+    neighbour = wire.server.connections.budgets.open("127.0.0.1")
     neighbour.spend(100, wire.now_s)
     wire.server.cost_s = 0.001
     wire.receive(pings(1))
     wire.receive(pings(2))
     assert wire.pongs == [1]
-    session.drives = lambda: True
+    wire.server._router.is_driven_by = lambda _: True
     wire.receive(pings(3))
     assert wire.pongs == [1, 2, 3]
     assert wire.is_served
     wire.receive(pings(4))
-    assert not session.is_behind
+    assert not session.turns.is_behind
     wire.run(0)
     wire.take(5)
-    assert session.waited_s() >= 5
+    assert session.turns.waited_s() >= 5
     wire.server.cost_s = 3
     wire.receive(pings(5, 6))
     wire.run(0)

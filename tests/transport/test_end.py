@@ -267,7 +267,7 @@ async def test_the_shutdown_ends_clients_and_half_open_sockets(serve: Serve, cap
         reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
         connection = client(served.url)
         speaker = await connection.__aenter__()
-        await eventually(lambda: len(served.server._connections) == 2)
+        await eventually(lambda: len(served.server.connections) == 2)
     await closing(speaker)
     await connection.__aexit__(None, None, None)
     assert await reader.read() == b""
@@ -281,7 +281,7 @@ async def test_the_first_cause_counts(serve: Serve, caplog):
     caplog.set_level("INFO", LOGGER)
     async with serve() as served:
         _, writer = await handshake(served)
-        (connection,) = served.server._connections
+        (connection,) = served.server.connections
         connection.close(POLICY_VIOLATION, "enough")
         connection.close(INTERNAL_ERROR, "internal error")
         connection.abort(EndCause("gateway", "send_timeout", "it accepted nothing"))

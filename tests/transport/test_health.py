@@ -98,14 +98,14 @@ async def test_a_full_gateway_is_ready_and_says_that_it_is_full(serve: Serve):
 async def test_from_the_start_of_the_shutdown_connections_are_refused(serve: Serve):
     refused: list[OSError] = []
     async with serve() as served:
-        close_all = served.server._close_all
+        close_all = served.server.connections.close
 
-        async def ask_first() -> None:
+        async def ask_first(*which: Any) -> None:
             try:
                 await asyncio.open_connection("127.0.0.1", served.port)
             except OSError as error:
                 refused.append(error)
-            await close_all()
+            await close_all(*which)
 
-        served.server._close_all = ask_first  # type: ignore[method-assign]
+        served.server.connections.close = ask_first  # type: ignore[method-assign]
     assert len(refused) == 1

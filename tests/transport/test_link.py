@@ -199,6 +199,16 @@ def test_a_quarter_of_a_second_without_a_byte_is_a_hole():
     assert simulation.link.bytes_per_s == pytest.approx(625e3, rel=0.2)
 
 
+def test_a_fifth_of_a_second_without_a_byte_is_a_slow_link():
+    simulation = Simulation(625e3)
+    simulation.run(3, frame=1000)
+    simulation.bytes_per_s = 0
+    simulation.run(0.2, frame=1000)
+    simulation.bytes_per_s = 625e3
+    simulation.run(0.01, frame=1000)
+    assert simulation.link.bytes_per_s < 0.8 * 625e3
+
+
 def test_a_link_that_is_uneven_has_its_mean_rate():
     simulation = Simulation(250e3)
     simulation.run(3, frame=1000)

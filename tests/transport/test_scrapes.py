@@ -67,7 +67,7 @@ async def ask(served: Served) -> tuple[asyncio.StreamReader, asyncio.StreamWrite
 
 def awaited(served: Served) -> int:
     """Count the pages that are waited for, or not taken yet."""
-    return sum(each.awaits_page for each in served.server._connections)
+    return sum(each.awaits_page for each in served.server.connections)
 
 
 def hold_pages(monkeypatch: pytest.MonkeyPatch) -> asyncio.Event:
@@ -443,7 +443,7 @@ async def test_input_behind_a_request_for_the_metrics_is_ignored(serve, monkeypa
         may_write = hold_pages(monkeypatch)
         reader, writer = await ask(served)
         await eventually(lambda: awaited(served) == 1)
-        (connection,) = served.server._connections
+        (connection,) = served.server.connections
         more = masked(Opcode.PING, b"x") * 100 + masked(Opcode.CLOSE, b"") + b"\xff\xff"
         writer.write(more)
         await eventually(lambda: connection._bytes_in == len(METRICS) + len(more))

@@ -15,9 +15,9 @@ from gateway.core.topics.encoding import Encoding
 from gateway.errors import BindError
 from gateway.sources.source import Qos
 from gateway.transport import inbound
+from gateway.transport.connections import TICK_S
 from gateway.transport.end import ConnectionEnd, EndCause
 from gateway.transport.listening import ListenPort
-from gateway.transport.server import TICK_S
 from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.transport.conftest import Serve, Served
 from tests.transport.needs import needs_websockets_17
@@ -60,8 +60,8 @@ async def test_the_times_of_clients_and_budgets_are_looked_at_four_times_a_secon
     async with serve() as served:
         async with client(served.url) as speaker:
             await speaker.sync()
-            assert served.server.budgets._addresses
-        await eventually(lambda: not served.server.budgets._addresses)
+            assert served.server.connections.budgets._addresses
+        await eventually(lambda: not served.server.connections.budgets._addresses)
 
 
 async def test_binary_and_fragmented_frames_are_json_too(serve: Serve):
@@ -204,10 +204,10 @@ async def test_of_more_than_64_handshakes_the_oldest_of_the_greediest_address_is
         greedy = [Newcomer("10.0.0.2") for _ in range(44)]
         newcomers = [Newcomer(f"10.0.1.{number}") for number in range(10)]
         for each in (*modest, *greedy):
-            served.server.arrive(each)
+            served.server.connections.add(each)
         assert not any(each.is_leaving for each in (*modest, *greedy))
         for each in newcomers:
-            served.server.arrive(each)
+            served.server.connections.add(each)
         assert [each.is_leaving for each in greedy] == [True] * 10 + [False] * 34
         assert not any(each.is_leaving for each in (*modest, *newcomers))
         for each in (*modest, *greedy, *newcomers):
@@ -220,7 +220,7 @@ async def test_of_more_than_64_that_were_rejected_the_oldest_is_cut_off(serve: S
         cut_off: list[Newcomer] = []
         for each in leaving:
             each.abort = partial(cut_off.append, each)
-            served.server.arrive(each)
+            served.server.connections.add(each)
         assert cut_off == leaving[:1]
         for each in leaving:
             served.server.left(each, None, END)
@@ -242,7 +242,7 @@ async def test_a_refused_connection_frees_its_place(serve: Serve):
     async with serve({"max_clients": 1}) as served, client(served.url):
         reader, writer = await handshake(served)
         await reader.readuntil((1013).to_bytes(2, "big") + b"over capacity")
-        refused = next(each for each in served.server._connections if each.session is None)
+        refused = next(each for each in served.server.connections if each.session is None)
         assert refused.is_leaving
         assert not refused.is_half_open
         writer.close()
@@ -295,7 +295,7 @@ async def test_a_client_that_connects_while_its_address_has_spent_its_time_stays
 ):
     monkeypatch.setattr(inbound, "LEFTOVER_S", 0.0)  # of a client that has left
     async with serve() as served:
-        budgets = served.server.budgets
+        budgets = served.server.connections.budgets
         budgets.join("127.0.0.1").time.spend(0.6, time.monotonic())
         reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
         writer.write(UPGRADE[:20])
@@ -627,7 +627,7 @@ async def test_an_invalid_request_gets_its_status_and_leaves_no_trace(
     async with serve() as served, client(served.url) as other:
         assert await status_of(served, request_bytes) == status
         assert await other.sync() == []
-        await eventually(lambda: len(served.server._connections) == 1)
+        await eventually(lambda: len(served.server.connections) == 1)
     assert "Traceback" not in caplog.text
 
 

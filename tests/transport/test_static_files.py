@@ -16,8 +16,20 @@ from tests.transport.needs import needs_websockets_17
 
 HTML = "Accept: text/html,application/xhtml+xml"
 GZIP = "Accept-Encoding: br, gzip;q=0.8"
-SOURCES = sorted(path for path in PAGES.rglob("*") if path.suffix in {".html", ".js", ".css"})
-OWN = [path for path in SOURCES if path.parent.name != "vendor"]
+TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".ts": "text/plain; charset=utf-8",
+    ".png": "image/png",
+    ".webmanifest": "application/manifest+json",
+}
+SOURCES = sorted(path for path in PAGES.rglob("*") if path.suffix in TYPES)
+OWN = [
+    path
+    for path in SOURCES
+    if path.parent.name != "vendor" and path.suffix in {".html", ".css", ".js"}
+]
 
 
 @dataclass(frozen=True)
@@ -94,17 +106,36 @@ def test_a_path_of_the_websocket_adds_no_markup(tmp_path: Path):
 
 
 async def test_every_file_is_served_with_its_type_and_the_policy(serve, files):
-    types = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
     async with serve(files=files) as served:
         for path in SOURCES:
             sent = await get(served.port, f"/{path.relative_to(PAGES).as_posix()}")
             assert sent.status == 200
-            assert sent.headers["content-type"] == f"{types[path.suffix]}; charset=utf-8"
+            assert sent.headers["content-type"] == TYPES[path.suffix]
             assert sent.headers["x-content-type-options"] == "nosniff"
             policy = sent.headers["content-security-policy"]
             assert policy.startswith("default-src 'self'; ")
+            assert "manifest-src 'self'" in policy
             assert "unsafe" not in policy
             assert "ws" not in policy  # no page connects elsewhere
+
+
+@pytest.mark.parametrize(
+    ("origin", "is_shared"),
+    [
+        ("https://ui.example", True),
+        ("http://localhost:8000", True),  # may connect to watch
+        ("https://other.example", False),
+        ("null", False),
+    ],
+)
+async def test_modules_are_shared_with_pages_that_may_connect(serve, files, origin, is_shared):
+    async with serve(
+        files=files, allowed_origins=("https://ui.example",), allows_local=True
+    ) as served:
+        sent = await get(served.port, "/shared/gateway.js", f"Origin: {origin}")
+        assert sent.status == 200
+        assert sent.headers["access-control-allow-origin"] == (origin if is_shared else None)
+        assert "Origin" in sent.headers["vary"]
 
 
 async def test_a_cached_file_is_not_sent_again(serve, files):
@@ -133,7 +164,7 @@ async def test_it_is_compressed_for_browsers_that_accept_gzip(serve, files, head
     async with serve(files=files) as served:
         sent = await get(served.port, "/style.css", header)
         assert ("content-encoding" in sent.headers) is is_compressed
-        assert sent.headers["vary"] == "Accept, Accept-Encoding"
+        assert sent.headers["vary"] == "Accept, Accept-Encoding, Origin"
         body = gzip.decompress(sent.body) if is_compressed else sent.body
         assert body == (PAGES / "style.css").read_bytes()
 

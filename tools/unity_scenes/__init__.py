@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Unity package's prefabs, materials and scenes, in Unity's text format."""
+"""The Unity packages' prefabs, materials and scenes, in Unity's text format."""

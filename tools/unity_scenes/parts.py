@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Components as prefabs and scenes use them: Unity's own, and by their sources the package's."""
+"""Components as prefabs and scenes use them: Unity's own, and by their sources the packages'."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -21,13 +21,13 @@ _GUID: Final = re.compile(r"^guid: ([0-9a-f]{32})$", re.MULTILINE)
 
 
 def behaviour(name: str, **fields: Value) -> Component:
-    """Return one of the package's components, with the fields that differ from its defaults."""
+    """Return one of the packages' components, with the fields that differ from its defaults."""
     return script(name, guid_of(source_of(name)), {f"_{key}": fields[key] for key in fields})
 
 
 def source_of(name: str) -> Path:
     """Return the file of a component: Unity demands that it has the name of the class."""
-    folders = (unity_metas.PACKAGE / "Runtime" / "Unity", unity_metas.PACKAGE / "Samples~")
+    folders = [one / part for one in unity_metas.PACKAGES for part in ("Runtime/Unity", "Samples~")]
     [found] = (path for folder in folders for path in folder.rglob(f"{name}.cs"))
     return found
 
@@ -35,7 +35,8 @@ def source_of(name: str) -> Path:
 def guid_of(asset: Path) -> str:
     """Return the GUID of an asset, also if its meta is not written yet."""
     meta = unity_metas.meta_of(asset)
-    text = meta.read_text() if meta.exists() else unity_metas.content(unity_metas.PACKAGE, asset)
+    package = next(one for one in unity_metas.PACKAGES if one in asset.parents)
+    text = meta.read_text() if meta.exists() else unity_metas.content(package, asset)
     [guid] = _GUID.findall(text)
     return str(guid)
 
@@ -94,7 +95,7 @@ def shows_text(node: str) -> Value:
 
 
 def material(path: Path) -> Reference:
-    """Return a material of the package or its samples."""
+    """Return a material of the samples."""
     return Reference(file_id=2100000, guid=guid_of(path), kind=2)
 
 

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The prefabs: a subscriber and a publisher for each message type, and each component."""
+"""The prefabs: each component, and topics of the types that scenes often have."""
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Final
 
-from schemas.table import Row, Table
-from tools.unity_scenes.asset import Node, Reference
+from tools.unity_metas import PACKAGES
+from tools.unity_scenes.asset import Asset, Node, Reference
 from tools.unity_scenes.parts import behaviour, camera, mesh, renderer, subscriber, words
 
 # The topics of these types by convention. Other types get a topic after their name.
@@ -16,45 +17,53 @@ _TOPICS: Final = {
     "geometry_msgs/msg/TwistStamped": "/cmd_vel",
     "geometry_msgs/msg/PoseStamped": "/goal_pose",
     "geometry_msgs/msg/PoseWithCovarianceStamped": "/initialpose",
-    "sensor_msgs/msg/Image": "/camera/image_raw",
-    "sensor_msgs/msg/CompressedImage": "/camera/image_raw/compressed",
-    "sensor_msgs/msg/LaserScan": "/scan",
-    "sensor_msgs/msg/PointCloud2": "/points",
-    "sensor_msgs/msg/JointState": "/joint_states",
     "nav_msgs/msg/Odometry": "/odom",
-    "nav_msgs/msg/OccupancyGrid": "/map",
-    "nav_msgs/msg/Path": "/plan",
-    "rosgraph_msgs/msg/Clock": "/clock",
-    "diagnostic_msgs/msg/DiagnosticArray": "/diagnostics",
-    "visualization_msgs/msg/MarkerArray": "/markers",
 }
+# Topics that scenes often have with nothing next to them: commands, and simple values.
+_PUBLISHED: Final = (
+    *("std_msgs/msg/Bool", "std_msgs/msg/Float64", "std_msgs/msg/String"),
+    *("geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/PoseWithCovarianceStamped"),
+    *("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"),
+)
+_HEARD: Final = (
+    *("std_msgs/msg/Bool", "std_msgs/msg/Float64", "std_msgs/msg/String"),
+    *("nav_msgs/msg/Odometry", "sensor_msgs/msg/Imu"),
+)
 
 
-def prefabs() -> Iterator[tuple[str, Node]]:
-    """Yield each prefab's path below the folder of prefabs, without its ending, and its object."""
-    for row in Table.load().rows:
-        package, _, name = row.name.split("/")
-        if row.directions in {"both", "subscribe"}:
-            yield f"Subscribers/{package}/{name}", _subscriber(row, name)
-        if row.directions in {"both", "publish"}:
-            yield f"Publishers/{package}/{name}", _publisher(row, name)
-    for node in (*_screens(), *_displays(), *_others()):
-        yield f"Components/{node.name}", node
+def prefabs() -> Iterator[tuple[Path, str]]:
+    """Yield each prefab's path and its text."""
+    client, displays, robots = (one / "Prefabs" for one in PACKAGES)
+    for name in _PUBLISHED:
+        yield _part(client, "Publisher", name)
+    for name in _HEARD:
+        yield _part(client, "Subscriber", name)
+    for folder, nodes in (
+        (client, _basics()),
+        (displays, (*_screens(), *_displays(), *_drivers())),
+        (robots, _robots()),
+    ):
+        for node in nodes:
+            yield folder / f"{node.name}.prefab", Asset(f"Components/{node.name}").text([node])
 
 
-def topic_of(row: Row) -> str:
+def topic_of(type_: str) -> str:
     """Return a likely topic of a type."""
-    name = row.name.rsplit("/", 1)[-1]
-    return _TOPICS.get(row.name, "/" + re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower())
+    name = type_.rsplit("/", 1)[-1]
+    return _TOPICS.get(type_, "/" + re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower())
 
 
-def _subscriber(row: Row, name: str) -> Node:
-    return Node(f"{name} Subscriber", [subscriber(topic_of(row), row.name)])
+def _part(folder: Path, kind: str, type_: str) -> tuple[Path, str]:
+    package, _, name = type_.split("/")
+    key = f"{kind}s/{package}/{name}"
+    part = behaviour(f"Topic{kind}", topic=topic_of(type_), type=type_)
+    return folder / f"{key}.prefab", Asset(key).text([Node(f"{name} {kind}", [part])])
 
 
-def _publisher(row: Row, name: str) -> Node:
-    made = behaviour("TopicPublisher", topic=topic_of(row), type=row.name)
-    return Node(f"{name} Publisher", [made])
+def _basics() -> Iterator[Node]:
+    yield Node("Gateway Connection", [behaviour("GatewayConnection")])
+    yield Node("Topic Subscriber", [behaviour("TopicSubscriber")])
+    yield Node("Topic Publisher", [behaviour("TopicPublisher")])
 
 
 def _screens() -> Iterator[Node]:
@@ -89,6 +98,11 @@ def _displays() -> Iterator[Node]:
     yield Node("Depth", [mesh(), renderer(None), depth, behaviour("DepthDisplay")])
     markers = subscriber("/markers", "visualization_msgs/msg/MarkerArray", queue=32)
     yield Node("Markers", [markers, behaviour("MarkerArrayDisplay")])
+    odometry = subscriber("/odom", "nav_msgs/msg/Odometry")
+    yield Node("Digital Twin", [odometry, behaviour("DigitalTwin")])
+
+
+def _robots() -> Iterator[Node]:
     joints = subscriber("/joint_states", "sensor_msgs/msg/JointState")
     yield Node(
         "Robot",
@@ -98,14 +112,12 @@ def _displays() -> Iterator[Node]:
         ],
         [Node("Joint States", [joints, behaviour("JointStateDisplay")])],
     )
-    odometry = subscriber("/odom", "nav_msgs/msg/Odometry")
-    yield Node("Digital Twin", [odometry, behaviour("DigitalTwin")])
 
 
-def _others() -> Iterator[Node]:
+def _drivers() -> Iterator[Node]:
     for name in (
-        *("GatewayConnection", "TeleopDriver", "TargetDriver", "FixedFrame", "FrameFollower"),
-        *("GoalPosePublisher", "NavigateToPose"),
+        *("TeleopDriver", "TargetDriver", "FixedFrame", "FrameFollower"),
+        *("GoalPosePublisher", "NavigateToPose", "RobotRecorder"),
     ):
         yield Node(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name), [behaviour(name)])
     pictures = behaviour(

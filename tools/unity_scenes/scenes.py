@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from tools.unity_metas import PACKAGE
+from tools.unity_metas import HOME
 from tools.unity_scenes.asset import Asset, Component, Node, Reference, Value, Vector
 from tools.unity_scenes.parts import (
     behaviour,
@@ -23,7 +23,7 @@ from tools.unity_scenes.parts import (
     words,
 )
 
-_SAMPLES: Final = PACKAGE / "Samples~"
+_SAMPLES: Final = HOME / "displays/Samples~"
 _TELEOPERATION: Final = _SAMPLES / "Teleoperation"
 _XR_TARGET: Final = _SAMPLES / "XrTarget"
 

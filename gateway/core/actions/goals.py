@@ -13,7 +13,8 @@ from gateway.core.entries import NOTHING, Frame
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit
 from gateway.core.interface_types import InterfaceTypes
 from gateway.core.names import ActionName, resolve_action
-from gateway.core.outbox import Queue
+from gateway.core.queue import Queue
+from gateway.core.raw_values import RawValues
 from gateway.core.requests import CancelActionGoal, SendActionGoal
 from gateway.core.service_clients import encode_values
 from gateway.core.session import Session
@@ -101,7 +102,11 @@ class Goals:
             raise ProtocolError(
                 "bad_request", f"id: {request.id!r} is already in use by an unfinished goal"
             )
-        goal = encode_values(action_type.goal, request.args, self._ros.now_ns, "args")
+        args = request.args
+        if isinstance(args, RawValues):
+            goal = args.cdr
+        else:
+            goal = encode_values(action_type.goal, args, self._ros.now_ns, "args")
         queue = session.outbox.open_queue(*FEEDBACK_QUEUE)
         sent = SentGoal(session, request, action, action_type, queue)
         self._sent.setdefault(session, own).add(sent)
@@ -160,6 +165,10 @@ class Goals:
             if sent.is_abandoned:
                 return
             status, cdr = await goal.result()
+        if isinstance(sent.request.args, RawValues):
+            sent.flush_feedback()
+            sent.session.finish_raw(sent.request, cdr, status)
+            return
         try:
             values = sent.type.result.decode(cdr)
         except CodecError as error:
@@ -191,6 +200,8 @@ class _Feedback:
     def frame(self) -> Frame:
         """Return the frame, or `NOTHING` if the feedback cannot be decoded."""
         sent = self._goal
+        if isinstance(sent.request.args, RawValues):
+            return sent.session.feedback_raw(sent.request, self._cdr)
         try:
             values = sent.type.feedback.decode(self._cdr)
         except CodecError:

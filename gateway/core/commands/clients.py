@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from gateway.core.advertisement_ids import AdvertisementIds
+from gateway.core.peer import ClientTurns
 from gateway.core.requests import Publish
 from gateway.core.session import Session
 from gateway.drive.freshness import Age, Freshness
@@ -26,10 +27,13 @@ class Driver:
     _freshness: Freshness = field(default_factory=Freshness)
     _answered_ns: dict[str, int] = field(default_factory=dict)  # by the code of the answer
 
-    def judge(self, request: Publish, now_ns: int, waited_ns: int, *, is_behind: bool) -> Age:
+    def judge(self, request: Publish, now_ns: int, waited_ns: int, turns: ClientTurns) -> Age:
         """Count a command, and return its age. See `Freshness.judge`."""
         self.commands += 1
-        return self._freshness.judge(request.monotonic_ms, now_ns, waited_ns, is_behind=is_behind)
+        age = self._freshness.judge(
+            request.monotonic_ms, now_ns, waited_ns, is_behind=turns.is_behind
+        )
+        return "delayed" if turns.is_delayed else age
 
     def is_due(self, code: str, now_ns: int) -> bool:
         """Note an answer with this code. Return whether it is due, `REPEAT_NS` after the last."""
@@ -51,6 +55,10 @@ class Watchers:
     def __contains__(self, session: Session) -> bool:
         """Return whether a client watches."""
         return session in self._clients
+
+    def __len__(self) -> int:
+        """Count them."""
+        return len(self._clients)
 
     def add(self, session: Session) -> None:
         """Send the changes to a client from now on."""

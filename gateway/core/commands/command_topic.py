@@ -9,7 +9,7 @@ from typing import Any, Final
 from gateway.access.audit import Audit
 from gateway.codec.types import MessageType
 from gateway.core.commands.clients import Driver, Watchers
-from gateway.core.commands.drive_audit import DriveAudit
+from gateway.core.commands.drive_audit import DriveAudit, clock_offset_ms
 from gateway.core.commands.drive_timer import DriveTimer
 from gateway.core.commands.topic_guard import TopicGuard
 from gateway.core.commands.twist_values import TwistValues
@@ -90,8 +90,13 @@ class CommandTopic:
 
     @property
     def holder(self) -> Hashable | None:
-        """Return the client that has control."""
+        """The client that has control."""
         return self._drive.status.holder
+
+    @property
+    def type_name(self) -> str | None:
+        """The type of the commands, once it is known."""
+        return self._guard.type_name if self.message_type is None else self.message_type.name
 
     # Clients
 
@@ -138,10 +143,9 @@ class CommandTopic:
         """Take a command of a client, and answer it if it is refused."""
         now_ns = self._now_ns()
         driver = self.driver(session)
-        waited_ns = round(waited_s * 1e9)
-        age = driver.judge(request, now_ns, waited_ns, is_behind=session.is_behind)
+        age = driver.judge(request, now_ns, round(waited_s * 1e9), session.turns)
         command = Command(session, values.velocity, age, request)
-        if session.is_overtaken:
+        if session.turns.is_overtaken:
             if not values.velocity.is_zero:  # else the stop has done what it asks for
                 self._refuse(refusals.overtaken(command, self.name))
             return
@@ -234,6 +238,7 @@ class CommandTopic:
             listeners=len(self._guard.readers),
             is_guarded=self._guard.type_name is not None and status.guard == "ready",
             stops=dict(self._audit.stops),
+            clock_offset_ms=clock_offset_ms(status.holder),
         )
 
     def _send_state(self, session: Session) -> None:
@@ -293,9 +298,8 @@ class CommandTopic:
 
     def _stamp_offset_ns(self) -> int:
         """Return ROS time less the monotonic clock, if messages have a stamp."""
-        if self.message_type is None or self.message_type.name != TWIST_STAMPED:
-            return 0
-        return self._ros.now_ns() - time.monotonic_ns()
+        is_stamped = self.type_name == TWIST_STAMPED
+        return self._ros.now_ns() - time.monotonic_ns() if is_stamped else 0
 
     def _refuse(self, refused: Refused) -> None:
         session, request = refused.command.client, refused.command.request
@@ -304,7 +308,7 @@ class CommandTopic:
         if isinstance(request, Request) and self._is_to_be_answered(session, request, error.code):
             session.refuse(error, request)
         else:
-            session.refused += 1
+            session.count_refused()
 
     def _tell_clamped(self, clamped: Clamped) -> None:
         session, request = clamped.command.client, clamped.command.request

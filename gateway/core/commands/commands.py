@@ -3,17 +3,18 @@
 
 import asyncio
 import time
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from functools import partial
 from typing import Final, cast
 
 from gateway.access.audit import Audit
 from gateway.config.control import ControlConfig
 from gateway.core.commands.command_topic import CommandTopic
+from gateway.core.commands.rules import check_type, named_topic, say_what_is_ignored
 from gateway.core.commands.twist_values import read
 from gateway.core.errors import NothingThereError, ProtocolError, unknown_topic
 from gateway.core.missing_parts import Missing, refuse_part, require
-from gateway.core.names import TopicName, resolve_topic
+from gateway.core.names import TopicName
 from gateway.core.permission_checks import check_publish
 from gateway.core.requests import (
     AcquireControl,
@@ -29,7 +30,6 @@ from gateway.core.topic_counts import CountsByTopic
 from gateway.core.topic_events import TopicEvents
 from gateway.core.topic_types import TopicTypes
 from gateway.drive.effects import Rules
-from gateway.drive.twist_cdr import COMMAND_TYPES
 from gateway.metrics.state import ClientPublication, ControlState
 from gateway.sources.guard import Guard
 from gateway.sources.source import Ros, RosError
@@ -48,12 +48,12 @@ class Commands:
     def __init__(
         self,
         ros: Ros,
-        types: TopicTypes,
         config: ControlConfig,
         guard: Guard | None,
         audit: Audit,
         counts: CountsByTopic,
         events: TopicEvents,
+        types: TopicTypes,
     ) -> None:
         self._ros = ros
         self._types = types
@@ -101,6 +101,14 @@ class Commands:
         """Return whether a client has control of a topic."""
         return any(topic.holder is session for topic in self._topics.values())
 
+    def holder(self, topic: str) -> Hashable | None:
+        """Return the client that has control of a topic."""
+        return self._topics[TopicName(topic)].holder
+
+    def type_name(self, topic: str) -> str | None:
+        """Return the type of a topic's commands, once it is known."""
+        return self._topics[TopicName(topic)].type_name
+
     def client_publications(self) -> Iterator[ClientPublication]:
         """Yield the number of commands of each client, on each topic."""
         for name, topic in self._topics.items():
@@ -116,7 +124,7 @@ class Commands:
         """
         topic = self._opened(name, request.type)
         if session not in topic.drivers:
-            self._say_what_is_ignored(session, request)
+            say_what_is_ignored(session, request)
             session.inform(f"advertised {name}, a command topic", request)
         topic.driver(session).ids.add(request.id)
 
@@ -143,7 +151,7 @@ class Commands:
             RosError: ROS refuses to create the publisher.
         """
         topic = self._topics[name]
-        waited_s = session.waited_s()  # before the topic is opened, which takes some time
+        waited_s = session.turns.waited_s()  # before the topic is opened, which takes some time
         if not topic.is_open or request.type is not None or session not in topic.drivers:
             topic = self._opened(name, request.type)
             if session not in topic.drivers:  # later ones may have another id each time
@@ -248,17 +256,7 @@ class Commands:
 
     def _named(self, session: Session, requested: str | None) -> CommandTopic:
         """Return a topic by its name, or the only one there is."""
-        visible = list(filter(session.sees, self._topics))
-        names = ", ".join(visible) or "none"
-        if requested is None:
-            match visible:
-                case [only]:
-                    return self._topics[only]
-            raise ProtocolError("bad_request", f"topic: name one of {names}")
-        name = resolve_topic(requested, session.limits.max_name_characters)
-        if name not in visible:
-            raise ProtocolError("not_found", f"{name} is not a command topic: use one of {names}")
-        return self._topics[name]
+        return self._topics[named_topic(session, requested, self._topics)]
 
     def _opened(self, name: TopicName, requested: str | int | None) -> CommandTopic:
         """Return a topic that is open, with the type asked for or the one that ROS knows."""
@@ -277,12 +275,7 @@ class Commands:
         message_type = self._types.on_topic(name, requested)
         if message_type is None:
             raise ProtocolError("not_found", unknown_topic(name))
-        if message_type.name not in COMMAND_TYPES:
-            raise ProtocolError(
-                "type_conflict",
-                f"topic {name} moves a robot and needs {' or '.join(COMMAND_TYPES)}, not"
-                f" {message_type.name} (setting control.topics)",
-            )
+        check_type(name, message_type)
         topic.open(message_type)
         if self._turn_ns is not None:  # or the command that opened it would be too old
             self._turn_ns = time.monotonic_ns()
@@ -302,12 +295,6 @@ class Commands:
             return False
         return True
 
-    @staticmethod
-    def _say_what_is_ignored(session: Session, request: Advertise) -> None:
-        for ignored in _ignored(request):
-            text = f"{ignored} is ignored: a command topic stores no message for later subscribers"
-            session.warn(ProtocolError("bad_request", text), request)
-
     # Turns
 
     def _now_ns(self) -> int:
@@ -324,10 +311,3 @@ class Commands:
                 topic.end_turn()
         finally:  # or time would stand still
             self._turn_ns = None
-
-
-def _ignored(request: Advertise) -> Iterator[str]:
-    if request.latch:
-        yield "latch"
-    if request.qos is not None and request.qos.durability == "transient_local":
-        yield "durability transient_local"

@@ -28,7 +28,7 @@ class DriveAudit:
         if holder is not self._holder:
             self._holder = holder
             if holder is not None:
-                self.record("control_taken", holder)
+                self.record("control_taken", holder, clock_offset_ms=clock_offset_ms(holder))
 
     def stop(self, stopped: Stopped) -> None:
         """Record and count a stop."""
@@ -47,3 +47,8 @@ class DriveAudit:
             values |= {"name": client.identity.name, "role": client.identity.role}
             values["address"] = client.address
         self._audit.record(event, client=name, topic=self._topic, **values)
+
+
+def clock_offset_ms(client: Hashable | None) -> float | None:
+    """Return what a client adds to its clock to get the gateway's, if it has told."""
+    return client.clock_offset_ms if isinstance(client, Session) else None

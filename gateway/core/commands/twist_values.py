@@ -25,12 +25,14 @@ class TwistValues(NamedTuple):
 
 
 def read(message_type: MessageType, msg: object) -> TwistValues:
-    """Check a message, and return its values.
+    """Check a message, and return its values. Those that a relay has read are returned as they are.
 
     Raises:
         ProtocolError: ``invalid_value``: it does not fit its type, or a number is not finite.
             ``null`` and names such as ``"NaN"``, which stand for NaN elsewhere, are refused.
     """
+    if isinstance(msg, TwistValues):
+        return msg
     try:
         cdr = message_type.encode(msg, 0)
     except CodecError as error:

@@ -58,7 +58,7 @@ class ClientCode:
 
         def end(done: "asyncio.Future[Any]") -> None:
             self._turn.release()
-            session.spend(work.took_s, time.monotonic())
+            session.turns.spend(work.took_s, time.monotonic())
             if not done.cancelled():
                 done.exception()  # of a client that has left nobody asks for it
 

@@ -3,12 +3,15 @@
 
 import time
 
+from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.core.introspection import graph_frames
 from gateway.core.introspection.assets import Assets
 from gateway.core.introspection.client_code import ClientCode
 from gateway.core.introspection.descriptions import Descriptions
-from gateway.core.requests import Describe, GraphRequest, Hello, Ping
+from gateway.core.introspection.kept_log import ROSOUT, KeptLog
+from gateway.core.permission_checks import check_subscribe
+from gateway.core.requests import Describe, GraphRequest, Hello, Ping, Request
 from gateway.core.ros_time import stamp
 from gateway.core.session import Session
 from gateway.core.topics.subscriptions import Subscriptions
@@ -43,14 +46,28 @@ class Introspection:
         self._version = version
         self._watching: dict[Session, str | int | None] = {}
         self._seen: Graph | None = None  # the last snapshot that the watchers got
+        self._log: KeptLog | None = None
+
+    def keep_log(self, types: Types) -> None:
+        """Keep the last lines of ``/rosout`` from now on."""
+        self._log = KeptLog(self._ros, types)
+
+    @property
+    def own_entities(self) -> int:
+        """The ROS entities that no client has asked for."""
+        return 0 if self._log is None else self._log.entities
 
     def close(self) -> None:
         """End the threads, with what they are doing."""
+        if self._log is not None:
+            self._log.close()
         self._client_code.close()
         self._assets.close()
 
     def ping(self, session: Session, request: Ping) -> None:
         """Answer `ping` with ROS time and gateway time."""
+        if request.clock_offset_ms is not None:
+            session.set_clock(request.clock_offset_ms)
         session.answer(
             "pong",
             request.id,
@@ -68,6 +85,7 @@ class Introspection:
             version=self._version,
             protocol=PROTOCOL,
             ros_distro=self._ros.distro,
+            **self._ros.network,
             role=session.identity.role if session.identity else None,
             limits=self._limits.for_hello(),
         )
@@ -81,6 +99,15 @@ class Introspection:
         graph = seen_by(session, self._ros.graph())
         example, members = self._descriptions.describe(session, request.type, graph)
         session.describe(request.id, example, members)
+
+    def log(self, session: Session, request: Request) -> None:
+        """Answer `log` with the lines of ``/rosout`` that are kept.
+
+        Raises:
+            ProtocolError: this client may not subscribe to it.
+        """
+        check_subscribe(session, ROSOUT)
+        session.answer("log", request.id, lines=self._log.lines if self._log else [])
 
     def graph(self, session: Session, request: GraphRequest) -> None:
         """Answer `graph` with a snapshot, and start or stop watching for changes."""

@@ -7,6 +7,7 @@ from typing import Final
 from gateway.core.deadline import Deadline
 from gateway.core.interface_types import InterfaceTypes
 from gateway.core.names import ServiceName, resolve_service
+from gateway.core.raw_values import RawValues
 from gateway.core.requests import CallService
 from gateway.core.rosapi import Rosapi
 from gateway.core.service_clients import ServiceClients
@@ -50,6 +51,11 @@ class ServiceCalls:
         service_type = self._types.of_service(service, request.type, session.sees)
 
         async def call() -> None:
+            args = request.args
+            if isinstance(args, RawValues):
+                called = service, service_type.name, args.cdr, deadline
+                session.respond_raw(request, await self._service_clients.call_raw(*called))
+                return
             values = await self._service_clients.call(service, service_type, request.args, deadline)
             session.respond(request, values)
 

@@ -38,8 +38,9 @@ def make_encoding(
     framing = key.framing
     if key.fields == ():
         return Encoding(key, _nothing_of_it(key), on_error)
-    if key.image is not None:
-        shared = topic.pictures.open(message_type, key.image)
+    compact = key.image or key.cloud
+    if compact is not None:
+        shared = topic.pictures.open(message_type, compact)
         to_picture = shared.encoder(framing.picture)
         encode = _packed(key, to_picture) if framing.is_packed else to_picture
         return WorkerEncoding(key, encode, on_error, topic, resources.workers, shared.close)

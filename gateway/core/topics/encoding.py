@@ -209,6 +209,11 @@ class PerClientFrame:
         self.size = shared.size
 
     @property
+    def sample(self) -> Sample:
+        """The sample, which is empty once it is encoded."""
+        return self._shared.sample
+
+    @property
     def arrived_ns(self) -> int:
         """The time at which DDS had the sample."""
         return self._shared.arrived_ns

@@ -9,9 +9,10 @@ from typing import Final
 from gateway.codec.error_text import CodecError
 from gateway.codec.types import MessageType
 from gateway.core.advertisement_ids import AdvertisementIds
-from gateway.core.commands.commands import Commands
+from gateway.core.commands.interface import CommandTopics
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit, unknown_topic
 from gateway.core.names import TopicName, resolve_topic
+from gateway.core.raw_values import RawValues
 from gateway.core.requests import Advertise, Publish, Unadvertise
 from gateway.core.session import Session
 from gateway.core.tasks import FAILURES, refuse
@@ -50,14 +51,14 @@ class Advertised:
 class Publications:
     """Opens and closes ROS publishers as clients come and go, and publishes through them.
 
-    `Commands` carries out the operations on command topics.
+    `CommandTopics` carries out the operations on command topics.
     """
 
     def __init__(
         self,
         ros: Ros,
         types: TopicTypes,
-        commands: Commands,
+        commands: CommandTopics,
         counts: CountsByTopic,
         events: TopicEvents,
         pictures: PublishedPictures,
@@ -150,7 +151,7 @@ class Publications:
             known.ids.add(request.id)
         elif request.type is not None:
             self._check_type(topic, known, request.type)
-        if known.keeps_newest and session.is_behind:
+        if known.keeps_newest and session.turns.is_behind:
             # the next operation may withdraw the topic
             send = partial(self._send, session, topic, known, request, is_in_turn=True)
             session.defer(topic, request, send)
@@ -236,14 +237,19 @@ class Publications:
             send = partial(self._send_later, session, topic, known)
             self._pictures.publish(session, topic, known.message_type, request, send)
             return
-        try:
-            cdr = known.message_type.encode(request.msg, self._ros.now_ns)
-        except CodecError as error:
-            raise ProtocolError("invalid_value", str(error)) from error
+        cdr = self._encoded(known.message_type, request.msg)
         if len(cdr) > LARGE_CDR_BYTES and not is_in_turn:
-            session.next_turn(partial(self._send_large, session, topic, known, cdr, request))
+            session.turns.next_turn(partial(self._send_large, session, topic, known, cdr, request))
         else:
             known.send(cdr)
+
+    def _encoded(self, message_type: MessageType, message: object) -> bytes:
+        if isinstance(message, RawValues):
+            return message.cdr
+        try:
+            return message_type.encode(message, self._ros.now_ns)
+        except CodecError as error:
+            raise ProtocolError("invalid_value", str(error)) from error
 
     def _send_large(
         self,

@@ -75,12 +75,12 @@ class PublishedPictures:
             raise ProtocolError("invalid_value", str(error)) from error
         waiting = self._waiting.setdefault(session, {})
         replaced = waiting.pop(topic, None)
-        session.replaced += replaced is not None
+        session.count_replaced(replaced is not None)
         # without the message: it is as long as its CDR
         waiting[topic] = _Picture(replace(request, msg=None), is_map, cdr, send)
         while sum(len(each.cdr) for each in waiting.values()) > session.limits.max_message_bytes:
             del waiting[next(iter(waiting))]
-            session.replaced += 1
+            session.count_replaced(1)
         if session not in self._working:
             self._working[session] = asyncio.create_task(self._work(session, waiting))
 
@@ -115,7 +115,7 @@ class PublishedPictures:
         start_s = time.monotonic()
         picture.send(cdr)
         now_s = time.monotonic()
-        session.spend(now_s - start_s, now_s)
+        session.turns.spend(now_s - start_s, now_s)
 
 
 class _Picture(NamedTuple):

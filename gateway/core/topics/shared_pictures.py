@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of a topic that several encodings share: the pixels of a sample are compressed once."""
+"""Pictures and clouds of a topic that several encodings share: a sample is compressed once."""
 
 import threading
 from collections.abc import Callable
 
 from gateway.codec.cdr import Cdr
+from gateway.codec.cloud import CloudOptions, cloud_renderer
 from gateway.codec.grid_picture import GRID, grid_renderer
 from gateway.codec.image import ImageOptions
 from gateway.codec.picture import picture_renderer
@@ -15,16 +16,20 @@ Render = Callable[[Cdr], PictureMessage]
 
 
 class TopicPictures:
-    """The pictures of one topic, by their options."""
+    """The pictures, or thinned clouds, of one topic, by their options."""
 
     def __init__(self) -> None:
-        self._open: dict[ImageOptions, SharedPictures] = {}
+        self._open: dict[ImageOptions | CloudOptions, SharedPictures] = {}
 
-    def open(self, message_type: MessageType, options: ImageOptions) -> "SharedPictures":
+    def open(
+        self, message_type: MessageType, options: ImageOptions | CloudOptions
+    ) -> "SharedPictures":
         """Return the pictures with these options for one more encoding, which closes them."""
         found = self._open.get(options)
         if found is None:
-            if message_type.name == GRID:
+            if isinstance(options, CloudOptions):
+                render = cloud_renderer(message_type, options)
+            elif message_type.name == GRID:
                 render = grid_renderer(message_type)
             else:
                 render = picture_renderer(message_type, options)

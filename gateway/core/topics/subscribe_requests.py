@@ -9,6 +9,7 @@ from gateway.core.errors import ProtocolError
 from gateway.core.requests import Subscribe
 from gateway.core.session import Session
 from gateway.core.topic_types import TypeAskedError
+from gateway.core.topics.requested_clouds import why_whole
 from gateway.core.topics.requested_pictures import why_plain
 from gateway.core.topics.subscription import Feed, Subscription
 from gateway.sources.graph import Graph
@@ -63,6 +64,8 @@ def report(
         type_name = source.topic.type_name
         is_plain = source.encoding.image is None
         if is_plain and (text := why_plain(request, subscription.options, type_name)):
+            session.warn(ProtocolError("bad_request", text), request)
+        if text := why_whole(request, subscription.options, type_name):
             session.warn(ProtocolError("bad_request", text), request)
         text = f"subscribed to {name} ({type_name})"
         session.inform(text, request)

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+from gateway.codec.cloud import CloudOptions
 from gateway.codec.image import ImageOptions
 from gateway.codec.nonfinite import NonFinite
 from gateway.core.entries import Entry
@@ -38,6 +39,7 @@ class EncodingKey(NamedTuple):
     fields: tuple[str, ...] | None
     image: ImageOptions | None  # None: a plain message
     nonfinite: NonFinite = "null"  # of CBOR, and of pictures, always
+    cloud: CloudOptions | None = None  # None: a plain message
 
 
 class Feed(NamedTuple):

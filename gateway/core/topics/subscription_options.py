@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import Final, TypeVar
 
+from gateway.codec.cloud import CloudOptions
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.core.frames import Framing
 from gateway.core.requests import ImageRequest, Subscribe
@@ -26,14 +27,15 @@ class SubscriptionOptions:
 
     A `publish` frame does not say which request it is for. So several requests of one client for
     one topic are one subscription, as in rosbridge. It has the shortest throttle, queue, and
-    silence, all the fields that any request names, and the newest type, QoS, and image options. The
-    front merges the framings.
+    silence, all the fields that any request names, and the newest type, QoS, image, and cloud
+    options. The front merges the framings.
     """
 
     type: str | int | None
     qos: Qos
     fields: tuple[str, ...] | None
     image: ImageRequest
+    cloud: CloudOptions | None
     meta: bool
     pace: Pace
     stale_after_ns: int | None
@@ -60,6 +62,7 @@ class SubscriptionOptions:
             qos=_newest(request.qos for request in asked) or Qos(),
             fields=fields,
             image=image,
+            cloud=_newest(request.cloud for request in asked),
             meta=any(request.meta for request in asked),
             pace=Pace(round(throttle_ms * 1e6), throttle_length),
             stale_after_ns=round(min(silences) * 1e6) if silences else None,
@@ -74,7 +77,12 @@ class SubscriptionOptions:
 
     @property
     def queue_bounds(self) -> tuple[int, int | None]:
-        """Length and bytes of the queue: as requested, else as many as DDS keeps, or half a MiB."""
+        """Length and bytes of the queue: as requested, else as many as DDS keeps, or half a MiB.
+
+        Of clouds to be thinned the newest waits.
+        """
+        if self.queue_length is None and self.cloud is not None:
+            return 1, None
         if self.queue_length is None:
             return DEFAULT_QUEUE_LENGTH, DEFAULT_QUEUE_BYTES
         return self.queue_length, None

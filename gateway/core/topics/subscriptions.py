@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The subscriptions of all clients, and the topics that feed them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
 
@@ -15,6 +15,7 @@ from gateway.core.topic_events import TopicEvents
 from gateway.core.topic_types import TopicTypes, TypeAskedError
 from gateway.core.topics.large_samples import EncodingResources
 from gateway.core.topics.picture_adaptation import STEPS, Step
+from gateway.core.topics.requested_clouds import requested_cloud
 from gateway.core.topics.requested_pictures import fits_link, requested_picture
 from gateway.core.topics.requested_qos import subscribed
 from gateway.core.topics.silence_watch import SilenceWatch
@@ -29,7 +30,7 @@ from gateway.core.topics.subscription import EncodingKey, Feed, Subscription, To
 from gateway.core.topics.subscription_options import SubscriptionOptions
 from gateway.core.topics.topic import Topic
 from gateway.metrics.state import ClientTopic, Delivery
-from gateway.sources.source import Ros, RosError
+from gateway.sources.source import Qos, Ros, RosError
 
 
 class Subscriptions:
@@ -75,6 +76,10 @@ class Subscriptions:
             client = session.client
             for name, delivery in deliveries.items():
                 yield ClientTopic(client, name, delivery)
+
+    def offers(self, key: TopicKey) -> Sequence[Qos]:
+        """Return what the publishers of an open topic offer."""
+        return self._topics[key].offers
 
     def rates_hz(self, now_ns: int) -> dict[str, float]:
         """Return how often samples arrive on the topics that are being received."""
@@ -229,12 +234,18 @@ class Subscriptions:
             return None
         check_fields(message_type, options.fields)
         image = requested_picture(message_type, options, session.image_format, step)
-        is_json = options.framing.content == "json" and image is None
+        cloud = requested_cloud(message_type, options)
+        is_json = options.framing.content == "json" and image is None and cloud is None
         nonfinite = options.framing.nonfinite if is_json else None
         return Feed(
             TopicKey(name, message_type.name, subscribed(options, message_type)),
             EncodingKey(
-                options.framing, requested_name, options.fields, image, nonfinite or "null"
+                options.framing,
+                requested_name,
+                options.fields,
+                image,
+                nonfinite or "null",
+                cloud,
             ),
         )
 

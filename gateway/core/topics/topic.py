@@ -21,7 +21,7 @@ from gateway.core.topics.large_samples import EncodedTopic, EncodingResources
 from gateway.core.topics.late_join import LateJoin
 from gateway.core.topics.sample_faults import SampleFaults
 from gateway.core.topics.subscription import EncodingKey, Subscription, TopicKey
-from gateway.sources.source import Ros, RosError, Sample, TopicEvent
+from gateway.sources.source import Qos, Ros, RosError, Sample, TopicEvent
 
 # One batch in so long is timed, for so many clients in turn: a look at one costs 1 us and more.
 TIMING_PERIOD_NS: Final = 100_000_000
@@ -72,6 +72,11 @@ class Topic:
     def is_idle(self) -> bool:
         """True while it has no subscriptions."""
         return not self._encodings
+
+    @property
+    def offers(self) -> Sequence[Qos]:
+        """The offers of its publishers. Without any, the profile in force, which followed them."""
+        return self._ros_subscription.offers or (self._ros_subscription.qos,)
 
     @property
     def heard_ns(self) -> int:

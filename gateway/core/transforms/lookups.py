@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 
 from gateway.codec.json import dumps
 from gateway.core.errors import NothingThereError, ProtocolError, over_limit
-from gateway.core.outbox import Queue
+from gateway.core.queue import Queue
 from gateway.core.requests import CancelTransform, LookupTransform
 from gateway.core.session import Session
 from gateway.core.transforms.answers import refusal, transform_stamped

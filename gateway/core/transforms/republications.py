@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 from gateway.codec.json import dumps
 from gateway.core.entries import NOTHING, Frame
 from gateway.core.errors import ProtocolError, over_limit
-from gateway.core.outbox import Queue
+from gateway.core.queue import Queue
 from gateway.core.requests import Request
 from gateway.core.session import Session
 from gateway.core.transforms.answers import refusal, transform_stamped
@@ -268,7 +268,7 @@ class _SharedArray:
         """Take time from the clients. Return whether any of them has some left."""
         now_s = time.monotonic()
         share_s = spent_s / max(1, len(self.members))
-        left = [member.session.spend(share_s, now_s) for member in self.members]
+        left = [member.session.turns.spend(share_s, now_s) for member in self.members]
         return any(left)
 
     def _look(self, source: str) -> None:

@@ -3,36 +3,19 @@
 
 from typing import Final
 
-from gateway.codec.chunks import Chunks
 from gateway.codec.picture_message import PictureMessage
-from gateway.core.frames import Framing, PerClient
+from gateway.core.frames import Framing, Unframed
 
 JPEG_START: Final = b"\xff\xd8"
-
-
-class _Unframed:
-    def shared(self, message: bytes) -> bytes:
-        return message
-
-    message = shared
-
-    def per_client(self, message: bytes, _: PerClient) -> bytes:
-        return message
-
-    def shared_chunks(self, message: Chunks) -> Chunks:
-        return message
-
-    def per_client_chunks(self, message: Chunks, _: PerClient) -> Chunks:
-        return message
 
 
 class PictureFraming(Framing):
     """Takes the JPEG alone. Any other message stays JSON."""
 
-    def frames(self, topic: str) -> _Unframed:
+    def frames(self, topic: str) -> Unframed:
         """Return what frames nothing."""
         del topic
-        return _Unframed()
+        return Unframed()
 
     def picture(self, picture: PictureMessage) -> bytes:
         """Return the JPEG."""

@@ -16,7 +16,8 @@ from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
 from gateway.access.permissions import Identity
-from gateway.core.errors import Level, ProtocolError, StatusCode
+from gateway.core.errors import ProtocolError, StatusCode
+from gateway.core.peer import Peer
 from gateway.core.requests import Request as CoreRequest
 from gateway.core.requests import Subscribe
 from gateway.core.router import Router
@@ -66,9 +67,10 @@ class Viewer(HttpSession):
         request: Request,
         connection: HttpConnection,
         identity: Identity,
+        address: str,
     ) -> None:
-        super().__init__(pictures.core.limits, self.flush, identity)
-        self.client = connection.name
+        peer = Peer(wake=self.flush, name=connection.name, address=address, identity=identity)
+        super().__init__(pictures.core, peer)
         self._pictures = pictures
         self._protocol = protocol
         self._request = request
@@ -115,7 +117,7 @@ class Viewer(HttpSession):
 
     # Called by the core. It shows a warning as the reason why no picture comes.
 
-    def refuse(self, error: ProtocolError, request: CoreRequest | None = None) -> None:
+    def send_refusal(self, error: ProtocolError, request: CoreRequest | None) -> None:
         """Answer a picture that cannot be made, and note everything else."""
         if self._is_over:
             return
@@ -126,7 +128,7 @@ class Viewer(HttpSession):
 
     def warn(self, error: ProtocolError, request: CoreRequest) -> None:
         """Do the same with a warning."""
-        self.refuse(error, request)
+        self.send_refusal(error, request)
 
     def inform(self, text: str, request: CoreRequest) -> None:
         """Show a picture instead."""
@@ -138,9 +140,6 @@ class Viewer(HttpSession):
         """Receive no messages."""
         del data
         return False
-
-    def set_level(self, level: Level) -> None:
-        """Show everything."""
 
     def _take(self, message: bytes) -> None:
         if message.startswith(JPEG_START):
@@ -229,8 +228,8 @@ class Pictures:
         if len(self._viewers) >= MAX_VIEWERS:
             text = f"busy: {MAX_VIEWERS} other viewers get images. Try again later, or use a page\n"
             return protocol.reject(503, text)
-        viewer = Viewer(self, protocol, request, connection, identity)
-        self.core.enter(viewer, address)
+        viewer = Viewer(self, protocol, request, connection, identity, address)
+        self.core.enter(viewer)
         self._viewers[connection] = viewer
         connection.show(viewer)
         return self._subscribe(protocol, viewer, connection, asked)

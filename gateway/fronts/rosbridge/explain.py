@@ -50,7 +50,7 @@ def _name(detail: ErrorDetails) -> str:
 
 
 # Operations nest no deeper, except for the durations of `qos`.
-_OBJECTS = frozenset({"qos", "image", "time", "timeout"})
+_OBJECTS = frozenset({"qos", "image", "cloud", "time", "timeout"})
 _DURATION = 3  # parts of the path to one, behind which its own members are
 
 

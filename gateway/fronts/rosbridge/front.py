@@ -2,20 +2,28 @@
 """rosbridge's protocol: messages of clients become requests of the core."""
 
 import time
-from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Final, cast
 
+from typing_extensions import assert_never
+
 from gateway.access.credentials import SUBPROTOCOL
-from gateway.access.permissions import UNLIMITED, Identity
 from gateway.core.errors import StatusCode
+from gateway.core.peer import Peer
 from gateway.core.router import Router
 from gateway.core.tasks import FAILURES, refuse
 from gateway.fronts.rosbridge import messages
 from gateway.fronts.rosbridge.help import DOCS, frames_to_try
 from gateway.fronts.rosbridge.large_messages import LARGE_MESSAGE_BYTES, LargeMessages
 from gateway.fronts.rosbridge.operations import OPERATIONS, ClientOperation
-from gateway.fronts.rosbridge.operations.gateway import Auth, Help, SetLevel
+from gateway.fronts.rosbridge.own_requests import (
+    AuthRequest,
+    FrontRequest,
+    HelpRequest,
+    LogRequest,
+    OwnRequest,
+    SetLevelRequest,
+)
 from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.fronts.rosbridge.tf2_web_republisher.republisher import TfRepublisher
 from gateway.transport.front import ClientSession
@@ -32,15 +40,10 @@ class RosbridgeFront:
         self._republisher = TfRepublisher(core.ros, core.republications)
         core.join(self._republisher)
 
-    def open(
-        self,
-        wake: Callable[[], None],
-        address: str = "",
-        identity: Identity | None = UNLIMITED,
-    ) -> RosbridgeSession:
+    def open(self, peer: Peer) -> RosbridgeSession:
         """Open a session. See `gateway.transport.front.Front`."""
-        session = RosbridgeSession(self.core.limits, wake, identity)
-        self.core.enter(session, address)
+        session = RosbridgeSession(self.core, peer)
+        self.core.enter(session)
         return session
 
     def rejection(self, code: StatusCode, reason: str) -> bytes:
@@ -60,33 +63,37 @@ class RosbridgeFront:
 
     def _carry_out(self, session: RosbridgeSession, operation: ClientOperation) -> None:
         request = operation.request()
-        kind = type(operation)  # to match a class of pydantic takes 0.3 us
         try:
-            if kind is Auth:  # before that, the core carries out nothing
-                session.authenticate(cast("Auth", operation).token, request)
+            if isinstance(request, FrontRequest):
+                self._carry_out_own(session, request)
                 return
-            instead = (
-                partial(_OWN[kind], self.core, session, operation)
-                if kind in _OWN
-                else self._republisher.work(session, operation)
-            )
+            work = self._republisher.work(session, operation)
         except FAILURES as error:
             refuse(session, request, error)
             return
-        self.core.carry_out(session, request, instead)
+        if work is None:
+            self.core.carry_out(session, request)
+        else:
+            self.core.permit(session, request, work)
 
+    def _carry_out_own(self, session: RosbridgeSession, request: OwnRequest) -> None:
+        match request:
+            case AuthRequest():  # before that, a client may do nothing
+                session.peer.authenticate(request.token, request)
+            case SetLevelRequest():
+                self.core.permit(session, request, partial(session.set_level, request.level))
+            case LogRequest():
+                work = partial(self.core.introspection.log, session, request)
+                self.core.permit(session, request, work)
+            case HelpRequest():
+                self.core.permit(session, request, partial(self._help, session, request))
+            case _:
+                assert_never(request)
 
-def _set_level(_: Router, session: RosbridgeSession, operation: SetLevel) -> None:
-    session.set_level(operation.level)
-
-
-def _help(core: Router, session: RosbridgeSession, operation: Help) -> None:
-    """Answer with frames that can be pasted as they are."""
-    frames = frames_to_try(core.graph_seen_by(session), session.may)
-    text = "send one of these lines as it is"
-    operations = list(OPERATIONS)
-    session.send(messages.help_answer(operation.id, text, frames, docs=DOCS, operations=operations))
-
-
-# the operations that the core does not know
-_OWN: Final[Mapping[type, Callable[..., None]]] = {SetLevel: _set_level, Help: _help}
+    def _help(self, session: RosbridgeSession, request: HelpRequest) -> None:
+        """Answer with frames that can be pasted as they are."""
+        frames = frames_to_try(self.core.graph_seen_by(session), session.may)
+        text, operations = "send one of these lines as it is", list(OPERATIONS)
+        session.send(
+            messages.help_answer(request.id, text, frames, docs=DOCS, operations=operations)
+        )

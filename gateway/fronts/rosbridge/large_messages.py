@@ -24,14 +24,14 @@ class LargeMessages:
     def __init__(self, carry_out: Callable[[RosbridgeSession, ClientOperation], None]) -> None:
         self._carry_out = carry_out
         # the message of a client that is gone is freed
-        self._reading: Callable[[], Reading | None] = lambda: None
+        self._reading: Callable[[], Reading | None] = _none
 
     def receive(self, session: RosbridgeSession, work: ClientOperation | Reading) -> None:
         """Read what is not read yet, and carry it out when others have had their turn."""
         if isinstance(work, Generator):
             self._read(session, work)
         else:
-            session.next_turn(partial(self._carry_out, session, work))
+            session.turns.next_turn(partial(self._carry_out, session, work))
 
     def _read(self, session: RosbridgeSession, reading: Reading) -> None:
         if self._reading() is None:
@@ -42,7 +42,12 @@ class LargeMessages:
                 while time.monotonic() < end_s:
                     next(reading)
             except StopIteration as done:
+                self._reading = _none  # a refusal may keep the reading alive, and so hold up others
                 if done.value is not None:
                     self.receive(session, done.value)
                 return
-        session.next_turn(partial(self._read, session, reading))
+        session.turns.next_turn(partial(self._read, session, reading))
+
+
+def _none() -> None:
+    return None

@@ -2,40 +2,42 @@
 """A client of rosbridge: what it sends becomes operations, what it is told becomes frames."""
 
 import logging
-from collections.abc import Callable, Generator
-from typing import Any, Final, NamedTuple, TypeAlias
+from collections.abc import Generator
+from typing import Any, Final, TypeAlias
 
-from pydantic import ValidationError
-
-from gateway.access.permissions import UNLIMITED, Identity
 from gateway.codec import cbor_reader
-from gateway.codec.error_text import JsonError, hint, truncate
-from gateway.codec.json import ascii_only, loads, loads_in_slices
+from gateway.codec.error_text import JsonError
+from gateway.codec.json import ascii_only, loads_in_slices
 from gateway.codec.nonfinite import named
-from gateway.config.limits import Limits
 from gateway.core import requests
 from gateway.core.errors import Level, ProtocolError, StatusCode
+from gateway.core.peer import Peer
 from gateway.core.requests import Request, RequestId
+from gateway.core.session import Core
 from gateway.fronts.rosbridge import messages
 from gateway.fronts.rosbridge.dialect import Dialect
-from gateway.fronts.rosbridge.explain import explain
 from gateway.fronts.rosbridge.fragments import Assembly
-from gateway.fronts.rosbridge.operations import OPERATIONS, ClientOperation
+from gateway.fronts.rosbridge.operations import ClientOperation
 from gateway.fronts.rosbridge.operations.actions import SendActionGoal
-from gateway.fronts.rosbridge.operations.base import MAX_ID_CHARACTERS
 from gateway.fronts.rosbridge.operations.commands import Stop
 from gateway.fronts.rosbridge.operations.fragment import Fragment
-from gateway.fronts.rosbridge.operations.gateway import Help
 from gateway.fronts.rosbridge.operations.services import CallService
 from gateway.fronts.rosbridge.publish_frames import text_frames
+from gateway.fronts.rosbridge.reading import (
+    NAMED_BY,
+    Asked,
+    checked,
+    expect_short_texts,
+    model_of,
+    not_json,
+    object_of,
+    read,
+    readable,
+)
 from gateway.transport.front import ClientSession
 
 Reading: TypeAlias = Generator[None, None, ClientOperation | None]
 """Parses a long message, with pauses in which other clients can have their turn."""
-
-MAX_TEXT_CHARACTERS: Final = 4096  # of names and types, which are compared with known ones
-# of a fragment, of a response that failed, of a ping
-_LONG_TEXTS: Final = frozenset({"data", "values", "value"})
 
 SLICED_BYTES: Final = 64 * 1024  # a shorter text takes 2 ms at most, and has no long array
 
@@ -45,13 +47,6 @@ NOT_AUTHENTICATED: Final = (
 )
 
 ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # only ROS# sends it, with every request
-
-# texts of people who do not know what to send, none of them a JSON object
-_HELP: Final = frozenset({b"help", b"?", b"h", b"/help", b"--help", b'"help"', b"help()"})
-_MAX_HELP_BYTES: Final = 16  # of these, with blanks
-
-# the operations whose failure has its own frame, and the key that names their subject
-_NAMED_BY: Final = {"call_service": "service", "send_action_goal": "action"}
 
 logger = logging.getLogger(__name__)
 
@@ -64,16 +59,16 @@ class RosbridgeSession(ClientSession):
 
     NOT_AUTHENTICATED = NOT_AUTHENTICATED
 
-    def __init__(
-        self, limits: Limits, wake: Callable[[], None], identity: Identity | None = UNLIMITED
-    ) -> None:
-        super().__init__(limits, wake, identity)
+    def __init__(self, core: Core, peer: Peer) -> None:
+        super().__init__(core, peer)
         self.read_bytes = 0  # of the newest message, put together
         self._dialect = Dialect()
-        self._assembly = Assembly(limits.max_message_bytes)
+        if peer.level is not None:
+            self.set_level(peer.level)
+        self._assembly = Assembly(core.limits.max_message_bytes)
         # read for every message, and attributes of a pydantic model cost 40 ns more than others
-        self._max_json_depth = limits.max_json_depth
-        self._max_json_items = limits.max_json_items
+        self._max_json_depth = core.limits.max_json_depth
+        self._max_json_items = core.limits.max_json_items
         self._fragmented = 0
 
     def receive(self, data: bytes, now_ns: int) -> ClientOperation | Reading | None:
@@ -123,23 +118,20 @@ class RosbridgeSession(ClientSession):
         if self.identity is None:  # it may be about to authenticate
             return False
         try:
-            return _object(data, self._max_json_depth, self._max_json_items).get("op") == Stop.op
+            return object_of(data, self._max_json_depth, self._max_json_items).get("op") == Stop.op
         except ProtocolError:
             return False
 
-    def refuse(self, error: ProtocolError, request: Request | None = None) -> None:
-        """Answer a request that failed. Without one, report the error alone.
+    def send_refusal(self, error: ProtocolError, request: Request | None) -> None:
+        """Send a call its response and a goal its result, as clients wait for these.
 
-        A call gets its response and a goal its result, as clients wait for these. Everything else
-        gets a `status`.
+        Everything else gets a `status`.
         """
-        asked = _Asked()
+        asked = Asked()
         if request is not None:
-            name = getattr(request, _NAMED_BY.get(request.kind, ""), None)
-            asked = _Asked(request.kind, request.id, name)
-            if error.code == "forbidden":
-                self.on_forbidden(error, request)
-        self._refuse(error, asked)
+            name = getattr(request, NAMED_BY.get(request.kind, ""), None)
+            asked = Asked(request.kind, request.id, name)
+        self._send_refusal(error, asked)
 
     def set_level(self, level: Level) -> None:
         """Send only `status` frames of this severity or worse."""
@@ -239,9 +231,9 @@ class RosbridgeSession(ClientSession):
         """Parse one operation, and answer it if it is malformed."""
         values: dict[str, object] = {}
         try:
-            values = _object(data, self._max_json_depth, self._max_json_items)
+            values = object_of(data, self._max_json_depth, self._max_json_items)
             if len(data) > SLICED_BYTES:  # of CBOR
-                _expect_short_texts(values)
+                expect_short_texts(values)
             return self._operation(values)
         except ProtocolError as error:
             self._refuse_malformed(error, data, values)
@@ -255,9 +247,9 @@ class RosbridgeSession(ClientSession):
             try:
                 value = yield from loads_in_slices(data, max_depth=depth, max_items=items)
             except JsonError as error:
-                raise _not_json(data, error) from error
-            values = _checked(data, value)
-            _expect_short_texts(values)
+                raise not_json(data, error) from error
+            values = checked(data, value)
+            expect_short_texts(values)
             operation = self._operation(values)
         except ProtocolError as error:
             self._refuse_malformed(error, b"" if now_ns is None else data, values)
@@ -270,9 +262,9 @@ class RosbridgeSession(ClientSession):
     def _operation(self, values: dict[str, object]) -> ClientOperation | Fragment:
         if values.get("fragment_size") == ROS_SHARP_FRAGMENT_SIZE:
             self.reads_ascii_only = True
-        model = _model(values.get("op"))
+        model = model_of(values.get("op"))
         misspelt = self._dialect.note(model.op, values)
-        operation = _read(model, values, misspelt)
+        operation = read(model, values, misspelt)
         if misspelt:
             error = ProtocolError("bad_request", misspelt)
             self._say("warning", misspelt, error, operation.op, operation.id)
@@ -281,28 +273,31 @@ class RosbridgeSession(ClientSession):
     def _refuse_malformed(
         self, error: ProtocolError, data: bytes, values: dict[str, object]
     ) -> None:
-        self._refuse(error, _readable(values))
+        self._refuse(error, readable(values))
         if error.code == "bad_json":
-            self.on_unreadable(data)
+            self.peer.on_unreadable(data)
 
     def _refuse_fragment(self, error: ProtocolError, fragment: Fragment) -> None:
-        self._refuse(error, _Asked(fragment.op, fragment.id))
+        self._refuse(error, Asked(fragment.op, fragment.id))
 
     def _expire(self, now_ns: int) -> None:
         for fragment_id, progress in self._assembly.expire(now_ns):
             error = ProtocolError("limit_exceeded", f"fragment: {progress}")
-            self._refuse(error, _Asked(Fragment.op, fragment_id))
+            self._refuse(error, Asked(Fragment.op, fragment_id))
 
-    def _refuse(self, error: ProtocolError, asked: "_Asked") -> None:
-        self.refused += 1
+    def _refuse(self, error: ProtocolError, asked: "Asked") -> None:
+        self.count_refused()
+        self._send_refusal(error, asked)
+
+    def _send_refusal(self, error: ProtocolError, asked: "Asked") -> None:
         text = str(error)
         values = {} if self.reads_ascii_only else text
         # some clients recognise a response by this name, so it is the name as requested
         name = asked.name if isinstance(asked.name, str) else ""
         match asked:
-            case _Asked("call_service", request_id):
+            case Asked("call_service", request_id):
                 self.send(messages.service_response(name, request_id, values, result=False))
-            case _Asked("send_action_goal", request_id):
+            case Asked("send_action_goal", request_id):
                 self.send(messages.action_result(name, request_id, values, status=0, result=False))
             case _:
                 self._say(error.level, text, error, asked.op, asked.id)
@@ -327,96 +322,3 @@ def _form(form: object) -> CallService | SendActionGoal:
     """Return the operation that a request was made of."""
     assert isinstance(form, CallService | SendActionGoal)  # noqa: S101  # they set it
     return form
-
-
-class _Asked(NamedTuple):
-    """The parts of a malformed operation that a reply needs."""
-
-    op: str | None = None
-    id: str | int | None = None
-    name: object = None  # of the service or action, if it is a string
-
-
-def _object(data: bytes, max_depth: int, max_items: int) -> dict[str, object]:
-    read = cbor_reader.loads if cbor_reader.is_cbor(data) else loads
-    try:
-        values = read(data, max_depth=max_depth, max_items=max_items)
-    except cbor_reader.CborError as error:
-        raise ProtocolError("bad_json", str(error)) from error
-    except JsonError as error:
-        if _asks_for_help(data):
-            return {"op": Help.op}
-        raise _not_json(data, error) from error
-    return _checked(data, values)
-
-
-def _expect_short_texts(values: dict[str, object]) -> None:
-    """Refuse a name, a type or the like that is too long to be looked for."""
-    for name, value in values.items():
-        if isinstance(value, str) and len(value) > MAX_TEXT_CHARACTERS and name not in _LONG_TEXTS:
-            text = f"{truncate(name)}: {len(value)} characters, at most {MAX_TEXT_CHARACTERS}"
-            raise ProtocolError("bad_request", f"{text} are allowed: send a shorter text")
-
-
-def _not_json(data: bytes, error: JsonError) -> ProtocolError:
-    return ProtocolError("bad_json", f"{error}{_hint(data)}")
-
-
-def _checked(data: bytes, values: object) -> dict[str, object]:
-    if not isinstance(values, dict):
-        if _asks_for_help(data):
-            return {"op": Help.op}
-        example = '{"op":"subscribe","topic":"/odom"}'
-        raise ProtocolError("bad_request", f"expected a JSON object such as {example}, or help")
-    return values
-
-
-def _hint(data: bytes) -> str:
-    """Return advice about a frame that is not JSON."""
-    if b"\x80" <= data[:1] < b"\xa0":  # the first byte of an array of CBOR, and of no UTF-8
-        return ": CBOR must begin with a map"
-    return "" if data[:64].lstrip()[:1] in {b"{", b"["} else ": send help to see examples"
-
-
-def _asks_for_help(data: bytes) -> bool:
-    return len(data) <= _MAX_HELP_BYTES and data.strip().lower() in _HELP
-
-
-def _readable_id(value: object) -> str | int | None:
-    """Return an id that can be echoed, even if the operation itself is malformed."""
-    if isinstance(value, str):
-        return value[:MAX_ID_CHARACTERS]
-    return value if isinstance(value, int) and not isinstance(value, bool) else None
-
-
-def _readable(values: dict[str, object]) -> _Asked:
-    op = values.get("op")
-    if not isinstance(op, str):
-        return _Asked(id=_readable_id(values.get("id")))
-    return _Asked(truncate(op), _readable_id(values.get("id")), values.get(_NAMED_BY.get(op, "")))
-
-
-def _model(op: object) -> type[ClientOperation | Fragment]:
-    model = OPERATIONS.get(op) if isinstance(op, str) else None
-    if model is None:
-        raise _unknown(op)
-    return model
-
-
-def _read(
-    model: type[ClientOperation | Fragment], values: dict[str, object], misspelt: str
-) -> ClientOperation | Fragment:
-    try:
-        return model.read(values)
-    except ValidationError as error:
-        hint_ = f"; {misspelt}" if misspelt else ""
-        raise ProtocolError("bad_request", f"{explain(error)}{hint_}") from error
-
-
-def _unknown(op: object) -> ProtocolError:
-    if op is None:
-        return ProtocolError("bad_request", "op: missing, add the name of the operation")
-    if not isinstance(op, str):
-        return ProtocolError("bad_request", "op: expected a string")
-    text = f"op: {truncate(op)!r} is unknown{hint(op.lower(), OPERATIONS)}"
-    return ProtocolError("unknown_op", text)

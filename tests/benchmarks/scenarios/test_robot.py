@@ -32,6 +32,13 @@ def test_all_that_arrives_is_counted_once_for_each_client():
     assert run().pictures_per_s("default") == 15
 
 
+def test_the_share_of_a_topic_is_that_of_the_clients_with_some_options():
+    one = run(pictures=15)
+    assert one.share(["scan"]) == 1
+    assert one.share(CAMERAS, ["default"]) == 0.5
+    assert one.share(CAMERAS, ["default", "cbor"]) == 0.5
+
+
 def test_ages_of_missing_messages_are_not_numbers():
     nothing = {name: {"count": 0} for name in AGED}
     ages = {name: {**nothing, ODOMETRY: {"p50_ms": 4.0}} for name in PICTURE_OPTIONS}

@@ -14,6 +14,7 @@ import pytest
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig, OperatorConfig
 from gateway.core.commands import command_topic, commands, drive_timer
+from gateway.core.commands.clients import Driver
 from gateway.core.commands.command_topic import COMMAND_QOS
 from gateway.drive import twist_cdr
 from gateway.drive.drive import Drive
@@ -421,6 +422,24 @@ async def test_a_stopped_robot_stays_stopped_for_a_client_that_comes_back(scene:
     await eventually(lambda: speeds(heard)[-1] == 0.1)
 
 
+async def test_a_client_that_leaves_while_it_is_refused_is_forgotten(scene: Scene):
+    scene.listen()
+    driver, other = scene.client(), scene.client()
+    push(driver)
+    push(other)
+    refused = scene.router.commands._topics["/cmd_vel"]._drive._refused_drivers
+    assert len(refused) == 1
+    scene.router.leave(other.session)
+    assert len(refused) == 0
+
+
+def test_an_answer_is_due_again_after_exactly_a_second():
+    driver = Driver()
+    assert [driver.is_due("tripped", now_ns) for now_ns in (0, 999_999_999, 1_000_000_000)] == [
+        *(True, False, True)
+    ]
+
+
 async def test_a_refused_stream_is_answered_once_a_second_but_always_with_an_id(scene: Scene):
     scene.listen()
     driver, other = scene.client(), scene.client()
@@ -616,8 +635,8 @@ async def test_a_command_that_waited_is_stale_and_hears_why(
     scene: Scene, why: str, *, is_behind: bool
 ):
     client, heard = await scene.driven()
-    client.session.waited_s = lambda: 0.25
-    client.session.is_behind = is_behind
+    client.turns.waited_s = lambda: 0.25
+    client.turns.is_behind = is_behind
     push(client)
     code, text = client.statuses[-1]
     assert code == "stale_command"
@@ -628,12 +647,12 @@ async def test_a_command_that_waited_is_stale_and_hears_why(
 async def test_a_command_that_a_stop_has_overtaken_does_not_move_the_robot(scene: Scene):
     client, heard = await scene.driven()
     client.send(op="stop")
-    client.session.is_overtaken = True
+    client.turns.is_overtaken = True
     push(client, monotonic_ms=time.monotonic_ns() / 1e6)
     push(client, 0.0)
     assert [code for code, _ in client.statuses] == ["stale_command"]
     await eventually(lambda: len(heard) == 6)
-    client.session.is_overtaken = False
+    client.turns.is_overtaken = False
     push(client)
     await eventually(lambda: speeds(heard) == [0.2, *[0.0] * 5, 0.2])
 
@@ -641,11 +660,11 @@ async def test_a_command_that_a_stop_has_overtaken_does_not_move_the_robot(scene
 async def test_a_client_that_has_control_drives(scene: Scene):
     scene.listen()
     one, two = scene.client(), scene.client()
-    assert not one.session.drives()
+    assert not one.session.drives
     push(one)
-    assert (one.session.drives(), two.session.drives()) == (True, False)
+    assert (one.session.drives, two.session.drives) == (True, False)
     two.send(op="acquire_control")
-    assert (one.session.drives(), two.session.drives()) == (False, True)
+    assert (one.session.drives, two.session.drives) == (False, True)
 
 
 async def test_a_stale_command_is_told_by_the_clients_clock(scene: Scene):
@@ -667,7 +686,7 @@ async def test_the_time_that_it_takes_to_open_the_topic_makes_a_first_command_no
     heard, client = scene.listen(), scene.client()
     loop, advertise = asyncio.get_running_loop(), scene.ros.advertise
     read_s = loop.time()
-    client.session.waited_s = lambda: loop.time() - read_s
+    client.turns.waited_s = lambda: loop.time() - read_s
 
     def open_slowly(*arguments: Any) -> Any:
         clock.jump(0.6)
@@ -824,19 +843,17 @@ async def test_a_client_that_lost_the_permission_to_drive_is_stopped(scene: Scen
     assert [each["cause"] for each in scene.audited if each["event"] == "stop"] == ["permission"]
 
 
-def of_role(scene: Scene, role: str, **access: object) -> Socketless:
+def of_role(scene: Scene, role: str, name: str = "?", **access: object) -> Socketless:
     config = AccessConfig(**access)
-    return scene.client(identity=Identity("tablet", Policy(config).of(role)))
+    return scene.client(identity=Identity("tablet", Policy(config).of(role)), name=name)
 
 
 async def test_lines_of_the_audit_log_have_their_client(scene: Scene, caplog):
     caplog.set_level("INFO", "gateway.audit")
     scene.listen()
-    client = of_role(scene, "viewer")
-    client.session.client = "10.0.0.5#7"
+    client = of_role(scene, "viewer", "10.0.0.5#7")
     push(client)
-    other = of_role(scene, "operator")
-    other.session.client = "10.0.0.5#8"
+    other = of_role(scene, "operator", "10.0.0.5#8")
     push(other)
     await eventually(lambda: len(scene.audited) == 3)
     records = [each for each in caplog.records if each.name == "gateway.audit"]
@@ -859,6 +876,16 @@ async def test_the_audit_log_has_each_change_of_control_and_each_stop(scene: Sce
     client.send(op="release_control")
     push(client)
     await eventually(lambda: "control_taken" in [each["event"] for each in scene.audited[2:]])
+
+
+async def test_the_clock_of_a_driver_is_known(scene: Scene):
+    client = scene.client()
+    client.send(op="ping", clock_offset_ms=-12.5)
+    client.send(op="advertise", topic="/cmd_vel", type=TWIST)
+    client.send(op="acquire_control", topic="/cmd_vel")
+    assert scene.router.control().drives[0].clock_offset_ms == -12.5
+    (taken,) = (each for each in scene.audited if each["event"] == "control_taken")
+    assert taken["clock_offset_ms"] == -12.5
 
 
 async def test_a_viewer_stops_a_robot_but_takes_no_control(scene: Scene):

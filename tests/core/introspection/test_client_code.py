@@ -106,7 +106,7 @@ async def test_one_thread_writes_for_all_and_goes_on_when_a_client_leaves(
     await running.wait()
     bench.router.leave(first.session)
     await bench.settle()
-    assert bench.router._introspection._client_code._turn.locked()  # the thread still writes
+    assert bench.router.introspection._client_code._turn.locked()  # the thread still writes
     second.send(op="generate", language="csharp", types=[LIMIT])
     await bench.settle()
     go_on.set()
@@ -124,7 +124,7 @@ async def test_the_time_of_the_thread_is_the_clients(bench: Bench, monkeypatch):
     monkeypatch.setattr(client_code, "_written", written)
     client = bench.client()
     spent: list[float] = []
-    client.session.spend = lambda spent_s, _: spent.append(spent_s) or True
+    client.turns.spend = lambda spent_s, _: spent.append(spent_s) or True
     client.send(op="generate", language="csharp", types=[LIMIT])
     await client.sees(1, "status")
     assert max(spent) >= 0.02

@@ -17,9 +17,9 @@ from gateway.core.topics.fan_out import write_directly
 from gateway.core.topics.subscription import Subscription
 from gateway.core.topics.subscription_options import SubscriptionOptions
 from gateway.fronts.rosbridge.framing import RosbridgeFraming
-from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.metrics.histogram import NOTHING_OBSERVED
 from gateway.metrics.state import Delivery
+from tests.core.conftest import lone_session
 
 LONG = 3_600_000
 TIMED_EVERY = 16
@@ -46,7 +46,7 @@ class Client:
     _room_bytes = 0
 
     def __init__(self, **options: Any) -> None:
-        self.session = RosbridgeSession(Limits(send_queue_bytes=64 * 1024), lambda: None)
+        self.session = lone_session(Limits(send_queue_bytes=64 * 1024))
         self.session.outbox.max_bytes = 60
         self.session.outbox.connect(self._write_directly, self)
         self.counts = TopicCounts()

@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from gateway.config.limits import Limits
 from gateway.core.entries import NOT_READY, NOTHING, Frame
 from gateway.core.names import TopicName
 from gateway.core.requests import Subscribe
@@ -15,8 +14,8 @@ from gateway.core.topics.fan_out import Batch, write_directly
 from gateway.core.topics.subscription import Subscription
 from gateway.core.topics.subscription_options import SubscriptionOptions
 from gateway.fronts.rosbridge.framing import RosbridgeFraming
-from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.metrics.state import Delivery
+from tests.core.conftest import lone_session
 
 FRAME = b"a frame of a sample"
 
@@ -44,7 +43,7 @@ class Client:
         self.written: list[bytes] = []
         self.room_bytes = 10 * len(FRAME)
         self.room_after_look = 0
-        self.session = RosbridgeSession(Limits(), lambda: None)
+        self.session = lone_session()
         self.session.outbox.connect(lambda _: 0, self)
         request = Subscribe(topic="/t", **{"framing": RosbridgeFraming(), **options})
         self.subscription = Subscription(

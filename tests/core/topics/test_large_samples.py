@@ -22,6 +22,7 @@ from gateway.core.topics.large_samples import (
     EncodedTopic,
     EncodingResources,
     LargeSamples,
+    _Job,
 )
 from gateway.core.topics.subscription import EncodingKey
 from gateway.fronts.rosbridge.framing import RosbridgeFraming
@@ -204,6 +205,14 @@ async def test_a_frame_stays_in_pieces_and_its_message_is_shared(bench: Bench):
     assert all(mine is theirs for mine, theirs in zip(one[1:], meta.wires[1:], strict=True))
     assert {len(piece) >= 64 * 1024 for piece in one[1:-2]} == {True}
     assert (shared[0].session.outbox.sent, meta.of("publish")[0]["seq"]) == (1, 1)
+
+
+def test_small_pieces_are_joined_up_to_64_kib():
+    shared: Any = type("Shared", (), {})()
+    job = _Job(shared, iter([b"x" * 1024] * 130), lambda _: None)
+    while job.step():
+        pass
+    assert [len(part) for part in job.parts] == [64 * 1024, 64 * 1024, 2 * 1024]
 
 
 @pytest.mark.parametrize("form", ["null", "string", "token"])

@@ -155,8 +155,7 @@ async def test_a_request_for_pictures_without_effect_gets_a_warning(bench: Bench
             {"id": 1, "topic": "/camera", "compression": "cbor-raw"},  # both get it as raw
         ],
     ):
-        client = bench.client()
-        client.session.image_format = "raw"
+        client = bench.client(image_format="raw")
         for each in (*before, options):
             client.send(op="subscribe", **each)
         statuses += client.statuses

@@ -6,16 +6,15 @@ from typing import Any
 
 import pytest
 
-from gateway.config.limits import Limits
 from gateway.core.names import TopicName
 from gateway.core.requests import Subscribe
 from gateway.core.topic_counts import TopicCounts
 from gateway.core.topics.subscription import Subscription
 from gateway.core.topics.subscription_options import SubscriptionOptions
 from gateway.fronts.rosbridge.framing import RosbridgeFraming
-from gateway.fronts.rosbridge.session import RosbridgeSession
 from tests.client import eventually
 from tests.clock import StoppedClock
+from tests.core.conftest import lone_session
 from tests.core.entries import Item
 
 MS = 1_000_000
@@ -28,7 +27,7 @@ def requested(**options: Any) -> tuple[dict[str | int | None, Subscribe], Subscr
 
 
 def subscribed(**options: Any) -> Subscription:
-    session = RosbridgeSession(Limits(), lambda: None)
+    session = lone_session()
     asked = requested(**options)
     return Subscription(session, "/t", TopicName("/t"), *asked, TopicCounts(), lambda _: None)
 

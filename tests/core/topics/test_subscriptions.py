@@ -429,9 +429,7 @@ async def test_a_client_that_asks_for_a_picture_learns_why_there_is_no_picture(b
 
 async def test_the_default_format_is_that_of_the_connection(bench: Bench):
     bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
-    usual, asking = bench.client(), bench.client()
-    for client in (usual, asking):
-        client.session.image_format = "raw"
+    usual, asking = bench.client(image_format="raw"), bench.client(image_format="raw")
     usual.send(op="subscribe", topic="/camera", image={"max_fps": 30})
     asking.send(op="subscribe", topic="/camera", image={"format": "png"})
     bench.ros.publish("/camera", picture_of(bench, (1, 2, 3)))

@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 
 from gateway.codec.types import MessageType, Types
-from gateway.config.limits import Limits
 from gateway.core.names import TopicName
 from gateway.core.requests import Subscribe
 from gateway.core.topic_counts import TopicCounts
@@ -20,10 +19,10 @@ from gateway.core.topics.subscription import EncodingKey, Feed, Subscription, To
 from gateway.core.topics.subscription_options import SubscriptionOptions
 from gateway.core.topics.topic import TIMED_AT_ONCE, Topic
 from gateway.fronts.rosbridge.framing import RosbridgeFraming
-from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.sources.source import Qos, RosError, Sample
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
+from tests.core.conftest import lone_session
 from tests.sources.fake import FakeRos
 from tests.wire import unpacked
 
@@ -66,8 +65,7 @@ def string_type() -> MessageType:
 
 def subscription(**options: Any) -> Subscription:
     request = Subscribe(topic="/t", framing=RosbridgeFraming(), **options)
-    session = RosbridgeSession(Limits(), lambda: None)
-    session.set_level("warning")
+    session = lone_session(level="warning")
     merged = SubscriptionOptions.merge([request])
     requests = {None: request}
     return Subscription(session, "/t", NAME, requests, merged, TopicCounts(), lambda _: None)

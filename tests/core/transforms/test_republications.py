@@ -329,7 +329,7 @@ async def test_clients_that_have_no_time_left_are_sent_less_often(
 ):
     await stage.begin(client)
     has_time = False
-    client.session.spend = lambda spent_s, now_s: has_time
+    client.turns.spend = lambda spent_s, now_s: has_time
     looks.clear()
     for sec in (2, 3, 4):
         await stage.drive(sec, float(sec))
@@ -345,8 +345,8 @@ async def test_an_array_goes_on_while_one_of_its_clients_has_time_left(
     other = stage.robot.bench.client()
     await stage.begin(client)
     send_goal(other)
-    client.session.spend = lambda spent_s, now_s: False
-    other.session.spend = lambda spent_s, now_s: True
+    client.turns.spend = lambda spent_s, now_s: False
+    other.turns.spend = lambda spent_s, now_s: True
     await stage.drive(2, 2.0)
     assert len(transforms(client)) == 2 == len(transforms(other))
 
@@ -365,7 +365,7 @@ async def test_the_time_that_is_spent_is_that_of_looking_up_and_each_client_pays
         return look(*about)
 
     spent_s: list[float] = []
-    client.session.spend = lambda seconds, _: spent_s.append(seconds) is None
+    client.turns.spend = lambda seconds, _: spent_s.append(seconds) is None
     monkeypatch.setattr(Buffer, "lookup", slow)
     monkeypatch.setattr(republications.time, "monotonic", lambda: now_s)
     await stage.drive(2, 2.0)

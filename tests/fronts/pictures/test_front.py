@@ -20,7 +20,7 @@ from gateway.codec import picture as picture_module
 from gateway.config.access import ViewerConfig
 from gateway.fronts.pictures import front as pictures_front
 from gateway.fronts.pictures.requests import PictureRequestError, picture_request
-from gateway.transport.server import MAX_HANDSHAKES
+from gateway.transport.connections import MAX_HANDSHAKES
 from tests.client import TIMEOUT_S, client, eventually
 from tests.sources.fake import FakePublisher
 from tests.transport.conftest import Serve, Served
@@ -226,7 +226,7 @@ async def test_a_slow_reader_gets_the_newest_and_nothing_queues(serve: Serve):
         publisher = camera(served)
         async with view(served, f"/stream?topic={CAMERA}&quality=100") as viewer:
             await eventually(lambda: viewers(served) == 1)
-            (connection,) = served.server._connections
+            (connection,) = served.server.connections
             old = noise(served, 60)
             published = 0
 
@@ -285,7 +285,7 @@ async def test_viewers_are_neither_half_open_nor_do_they_take_the_pages_of_metri
         publisher = camera(served)
         async with view(served, f"/stream?topic={CAMERA}") as viewer:
             await eventually(lambda: viewers(served) == 1)
-            (connection,) = served.server._connections
+            (connection,) = served.server.connections
             assert not connection.is_half_open
             assert not connection.awaits_page
             for _ in range(MAX_HANDSHAKES + 1):
@@ -344,7 +344,7 @@ async def test_a_snapshot_without_a_picture_says_so_and_a_stream_waits_on(serve,
         status, text = await answer(served, f"/snapshot?topic={CAMERA}")
         assert status == 504
         assert text == f"no image of {CAMERA} within 0.1 s: check that its camera is running\n"
-        await eventually(lambda: not served.server._connections)
+        await eventually(lambda: not served.server.connections)
         assert served.server.summary().handshakes_refused == {"no_picture": 1}
         assert served.ros.entity_count() == 0
         async with view(served, f"/stream?topic={CAMERA}") as viewer:
@@ -432,7 +432,7 @@ async def test_a_lost_viewer_is_noticed_while_no_image_arrives(serve: Serve):
         camera(served)
         async with view(served, f"/stream?topic={CAMERA}"):
             await eventually(lambda: viewers(served) == 1)
-            (connection,) = served.server._connections
+            (connection,) = served.server.connections
             sock = connection._transport.get_extra_info("socket")
             assert sock.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE) == 1
 

@@ -119,10 +119,11 @@ class Turns:
 
     def __init__(self) -> None:
         self.left: deque[Callable[[], None]] = deque()
+        self.unreadable: list[bytes] = []
 
     def client(self, bench: Bench) -> Socketless:
-        client = bench.client()
-        client.session.next_turn = self.left.append
+        client = bench.client(on_unreadable=self.unreadable.append)
+        client.turns.next_turn = self.left.append
         return client
 
     def finish(self) -> None:
@@ -164,14 +165,12 @@ async def test_one_long_message_is_read_at_a_time_and_none_waits_for_a_client_th
 async def test_a_long_text_that_is_refused_is_answered_once(bench: Bench):
     turns = Turns()
     client = turns.client(bench)
-    unreadable: list[bytes] = []
-    client.session.on_unreadable = unreadable.append
     numbers = b"1," * 60_000  # and none behind the last comma
     client.send_raw(b'{"op":"publish","id":"p","topic":"/t","msg":{"data":[' + numbers + b"]}}")
     turns.finish()
     (status,) = client.of("status")
     assert "not JSON" in status["msg"]
-    assert len(unreadable) == 1
+    assert len(turns.unreadable) == 1
 
 
 async def test_encoding_a_large_message_and_handing_it_over_take_a_turn_each(bench: Bench):
@@ -195,7 +194,7 @@ async def test_a_large_message_of_who_is_behind_goes_out_before_its_topic_is_wit
     turns = Turns()
     client = turns.client(bench)
     client.send(op="advertise", topic="/map", type=GRID, queue_size=1)
-    client.session.is_behind = True
+    client.turns.is_behind = True
     as_bytes(client, 1006, 1674, cells(1006, 1674))
     turns.finish()
     client.send(op="unadvertise", topic="/map")

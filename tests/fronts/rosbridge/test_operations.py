@@ -120,6 +120,7 @@ LOOKUP = {"op": "lookup_transform", "target_frame": "map", "source_frame": "odom
 SUBSCRIBE = {"op": "subscribe", "topic": "/t"}
 QOS = SUBSCRIBE | {"qos": {}}
 IMAGE = SUBSCRIBE | {"image": {}}
+CLOUD = SUBSCRIBE | {"cloud": {}}
 LIFESPAN = SUBSCRIBE | {"qos": {"lifespan": {}}}
 TIME = LOOKUP | {"time": {"sec": 0}}
 
@@ -157,6 +158,11 @@ def with_value(operation: dict[str, Any], path: str, value: Any) -> dict[str, An
         (IMAGE, "image.max_fps", 0.001, 0.0009),
         (IMAGE, "image.depth_range_m", [0, 0.1], [-0.1, 0.1]),
         (IMAGE, "image.depth_range_m", [1, 2], [2, 2]),
+        (CLOUD, "cloud.max_points", 500_000, 500_001),
+        (CLOUD, "cloud.max_points", 1, 0),
+        (CLOUD, "cloud.voxel_m", 0.001, 0.0009),
+        (CLOUD, "cloud.voxel_m", 1000, 1000.1),
+        (CLOUD, "cloud.fields", ["x"] * 8, ["x"] * 9),
         ({"op": "advertise", "topic": "/t", "type": "x"}, "queue_size", 0, -1),
         (LOOKUP, "target_frame", "x" * 256, "x" * 257),
         (LOOKUP, "source_frame", "x" * 256, "x" * 257),

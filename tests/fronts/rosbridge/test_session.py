@@ -13,7 +13,7 @@ from gateway.fronts.rosbridge.operations.actions import SendActionGoal
 from gateway.fronts.rosbridge.operations.gateway import Ping
 from gateway.fronts.rosbridge.operations.services import CallService
 from gateway.fronts.rosbridge.operations.topics import ImageRequest, QosRequest, Subscribe
-from gateway.fronts.rosbridge.session import RosbridgeSession
+from tests.core.conftest import lone_session
 from tests.wire import unpacked, websocket_frames
 
 ROS_SHARP_FRAGMENT_SIZE = 2**31 - 1  # int.MaxValue in C#
@@ -23,7 +23,7 @@ LIMITS = Limits(max_message_bytes=2000)
 
 class Client:
     def __init__(self, limits: Limits = LIMITS) -> None:
-        self.session = RosbridgeSession(limits, lambda: None)
+        self.session = lone_session(limits)
 
     def send(self, now_ns=0, **operation):
         return self.session.receive(json.dumps(operation).encode(), now_ns)

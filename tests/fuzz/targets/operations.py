@@ -11,6 +11,7 @@ import cbor2
 from gateway.codec.error_text import CodecError
 from gateway.codec.json import loads
 from gateway.core.errors import StatusCode
+from gateway.core.peer import Peer
 from gateway.fronts.rosbridge.front import RosbridgeFront
 from gateway.fronts.rosbridge.operations.base import MAX_ID_CHARACTERS
 from gateway.fronts.rosbridge.session import RosbridgeSession
@@ -35,8 +36,10 @@ class Client:
         self.frames: list[Any] = []
         self.asked: Counter[tuple[str, object]] = Counter()
         self.is_flushing = False
-        self.session: RosbridgeSession = front.open(self.flush, "127.0.0.1")
-        self.session.set_level("warning")  # else some refusals are in the log alone
+        self.session: RosbridgeSession = front.open(
+            # without a level some refusals are in the log alone
+            Peer(wake=self.flush, address="127.0.0.1", level="warning")
+        )
 
     def flush(self) -> None:
         if self.is_flushing:

@@ -6,7 +6,7 @@ from typing import Any
 
 from gateway.codec.error_text import CodecError
 from gateway.codec.json import dumps
-from gateway.sources.rclpy.made_types.realignment import Realignment
+from gateway.sources.realignment import Realignment
 from gateway.sources.source import RosError
 from tests.fuzz import types
 from tests.fuzz.target import Target, check

@@ -11,7 +11,7 @@ from schemas.installed import InstalledDefinitions, installed_prefixes
 from tests.schemas.generate.client_code import GENERATED, request_of
 from tests.schemas.test_installed import write_definition
 
-GENERATED_FOLDER = Path(__file__).parents[3] / "unity_client/Runtime/Core/Messages/Generated"
+GENERATED_FOLDER = Path(__file__).parents[3] / "unity_client/client/Runtime/Messages/Generated"
 
 
 def body(source):
@@ -38,7 +38,7 @@ def test_types_of_the_unity_package_are_left_out(tmp_path):
     definitions = installed_with(tmp_path, "some_msgs/msg/Thing", "geometry_msgs/Point at\n")
     request = request_of("some_msgs/msg/Thing", definitions=definitions)
     assert list(files(request)) == ["SomeMsgs.cs"]
-    assert "public GeometryMsgs.PointMsg at = new GeometryMsgs.PointMsg();" in text(request)
+    assert "public GeometryMsgs.PointMsg at = new();" in text(request)
     assert "class PointMsg" not in text(request)
 
 

@@ -53,7 +53,7 @@ def of_interfaces(*names):
         ("int8[<=2] x", "sbyte[] x = Array.Empty<sbyte>()"),
         ("int8[] x [1, 2]", "sbyte[] x = new sbyte[] { 1, 2 }"),
         ("string[2] x", 'string[] x = new string[] { "", "" }'),
-        ("std_msgs/Bool x", "StdMsgs.BoolMsg x = new StdMsgs.BoolMsg()"),
+        ("std_msgs/Bool x", "StdMsgs.BoolMsg x = new()"),
         (
             "std_msgs/Bool[2] x",
             "StdMsgs.BoolMsg[] x = NestedMessages.Make(2, () => new StdMsgs.BoolMsg())",

@@ -126,7 +126,7 @@ def test_one_row_more_generates_its_type(tmp_path, tree, made_up):
     )
     classes = tmp_path / "tree" / CSHARP_FOLDER
     assert "public byte level = 7;" in (classes / "MadeUpMsgs.cs").read_text()
-    assert "return new MadeUpMsgs.LampMsg();" in (classes / "MessageTable.cs").read_text()
+    assert '=> "made_up_msgs/msg/Lamp",' in (classes / "MessageTable.cs").read_text()
 
 
 def test_one_row_more_generates_its_service_or_action(tmp_path, tree):

@@ -13,6 +13,7 @@ from gateway.fronts.rosbridge.operations import (
     fragment,
     gateway,
     parameters,
+    recording,
     services,
     topics,
     transforms,
@@ -54,6 +55,8 @@ ClientOperation = (
     | gateway.GraphRequest
     | gateway.Events
     | gateway.Auth
+    | gateway.Log
+    | recording.Record
 )
 """The operations that a router carries out. A `Fragment` is a part of one of these."""
 

@@ -8,7 +8,8 @@ from pydantic_core import PydanticCustomError
 from typing_extensions import Self
 
 from gateway.codec.error_text import hint
-from gateway.core.requests import Request
+from gateway.core.requests import AnyRequest
+from gateway.fronts.rosbridge.own_requests import OwnRequest
 
 # rosbridge clients build ids from a topic and a counter, or a UUID
 MAX_ID_CHARACTERS: Final = 256
@@ -56,7 +57,8 @@ class Operation(_Strict):
     model_config = ConfigDict(extra="ignore")
 
     op: ClassVar[str]
-    makes: ClassVar[type[Request]]  # of the core, with the same fields unless `request` says else
+    # with the same fields, unless `request` says else
+    makes: ClassVar[type[AnyRequest | OwnRequest]]
     id: Id | None = None
 
     @classmethod
@@ -72,8 +74,8 @@ class Operation(_Strict):
         operation: Self = validator.validate_python(_without_nulls(cls, values))
         return operation
 
-    def request(self) -> Request:
-        """Return what the core is asked to do."""
+    def request(self) -> AnyRequest | OwnRequest:
+        """Return what the core, or this front, is asked to do."""
         request = object.__new__(self.makes)
         # Its constructor would set one field after the other, which takes 1 us of a `publish`.
         request.__dict__.update(self.__dict__)

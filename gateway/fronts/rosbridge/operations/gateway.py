@@ -1,42 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations on the gateway itself: levels, clocks, types, the graph."""
 
-from dataclasses import dataclass
 from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
 from gateway.core import requests
 from gateway.fronts.rosbridge.operations.base import Operation
+from gateway.fronts.rosbridge.own_requests import (
+    AuthRequest,
+    HelpRequest,
+    LogRequest,
+    SetLevelRequest,
+)
 from schemas.assembly_name import EXPECTATION, is_assembly_name
 
 # Ten times what a large package has: half a second of a thread.
 MAX_GENERATED_TYPES: Final = 300
 MAX_URI: Final = 4096  # characters, as many as a path of Linux has bytes
-
-
-@dataclass(frozen=True, kw_only=True)
-class SetLevelRequest(requests.Request):
-    """A `set_level`, which the front carries out itself."""
-
-    kind = "set_level"
-    needs_permission = False
-
-
-@dataclass(frozen=True, kw_only=True)
-class HelpRequest(requests.Request):
-    """A `help`, which the front carries out itself."""
-
-    kind = "help"
-    needs_permission = False
-
-
-@dataclass(frozen=True, kw_only=True)
-class AuthRequest(requests.Request):
-    """An `auth`, which the transport carries out."""
-
-    kind = "auth"
-    needs_permission = False
 
 
 class SetLevel(Operation):
@@ -62,11 +43,15 @@ class Help(Operation):
 
 
 class Ping(Operation):
-    """Ask for the clocks. The answer repeats the value unchanged."""
+    """Ask for the clocks. The answer repeats the value unchanged.
+
+    ``clock_offset_ms`` is what the client adds to its clock to get the gateway's.
+    """
 
     op = "ping"
     makes = requests.Ping
     value: Any = None
+    clock_offset_ms: Annotated[float, Field(ge=-1e15, le=1e15)] | None = None  # 30,000 years
 
 
 class Describe(Operation):
@@ -133,6 +118,13 @@ class Events(Operation):
     op = "events"
     makes = requests.Events
     watch: bool = True
+
+
+class Log(Operation):
+    """Ask for the last lines of ``/rosout``, also from before this client connected."""
+
+    op = "log"
+    makes = LogRequest
 
 
 class Auth(Operation):

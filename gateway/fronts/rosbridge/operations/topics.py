@@ -6,9 +6,16 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, GetPydanticSchema, model_validator
 from pydantic_core import core_schema
 
+from gateway.codec.cloud import (
+    MAX_CLOUD_FIELDS,
+    MAX_CLOUD_POINTS,
+    MAX_VOXEL_M,
+    MIN_VOXEL_M,
+    CloudOptions,
+)
 from gateway.codec.nonfinite import NonFinite
 from gateway.core import requests
-from gateway.core.requests import IMAGE_FORMATS, MIN_RATE_HZ, Request
+from gateway.core.requests import IMAGE_FORMATS, MIN_RATE_HZ, AnyRequest
 from gateway.fronts.rosbridge.framing import RosbridgeFraming
 from gateway.fronts.rosbridge.operations.base import (
     FragmentSize,
@@ -111,6 +118,21 @@ class ImageRequest(OperationPart):
         return self
 
 
+class CloudRequest(OperationPart):
+    """The options of a subscription to a PointCloud2, which comes with fewer points."""
+
+    max_points: Annotated[int, Field(ge=1, le=MAX_CLOUD_POINTS)] | None = None
+    voxel_m: Annotated[float, Field(ge=MIN_VOXEL_M, le=MAX_VOXEL_M)] | None = None
+    fields: Annotated[
+        tuple[str, ...],
+        Field(strict=False, max_length=MAX_CLOUD_FIELDS, description="in addition to x, y, z"),
+    ] = ()
+
+    def request(self) -> CloudOptions:
+        """Return it for the core."""
+        return CloudOptions(self.max_points, self.voxel_m, self.fields)
+
+
 class PublishedImage(OperationPart):
     """The form in which a client publishes a ``sensor_msgs/msg/Image``."""
 
@@ -167,7 +189,7 @@ class Publish(_Publisher):
     type: str | int | None = None
     monotonic_ms: Annotated[float, Field(ge=0, le=1e15)] | None = None  # 30,000 years
 
-    def request(self) -> Request:
+    def request(self) -> AnyRequest:
         """Return it for the core."""
         request = object.__new__(requests.Publish)
         members = request.__dict__
@@ -191,6 +213,7 @@ class Subscribe(Operation):
     qos: QosRequest | None = None
     fields: Annotated[tuple[str, ...], Field(strict=False, max_length=64)] | None = None
     image: ImageRequest | None = None
+    cloud: CloudRequest | None = None
     meta: bool = False
     nonfinite: NonFinite | None = None
     # below, an ordinary hiccup of WiFi or of a busy robot would be reported
@@ -208,6 +231,7 @@ class Subscribe(Operation):
             qos=None if self.qos is None else self.qos.request(),
             fields=self.fields,
             image=None if self.image is None else self.image.request(),
+            cloud=None if self.cloud is None else self.cloud.request(),
             meta=self.meta,
             stale_after_ms=self.stale_after_ms,
         )

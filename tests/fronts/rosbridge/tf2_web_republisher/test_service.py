@@ -9,12 +9,15 @@ import pytest
 
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig
+from gateway.fronts.rosbridge.operations.topics import Subscribe
 from gateway.fronts.rosbridge.tf2_web_republisher import service
+from gateway.fronts.rosbridge.tf2_web_republisher.virtual_topic import VirtualTopic
 from tests.client import eventually
 from tests.clock import StoppedClock
-from tests.core.conftest import LIMITS, Bench, Socketless
+from tests.core.conftest import LIMITS, Bench, Socketless, lone_session
 from tests.core.transforms.asking import request, xs
 from tests.core.transforms.conftest import Robot
+from tests.wire import unpacked
 
 
 @pytest.fixture(autouse=True)
@@ -142,6 +145,14 @@ async def test_one_who_subscribes_again_gets_all_frames_under_each_name(
     await client.sees(2)
     assert [frame["topic"] for frame in client.of("publish")] == [FIRST, FIRST]
     assert client.of("fragment")
+
+
+def test_requests_under_one_name_get_fragments_of_the_smallest_size_asked_for():
+    topic = VirtualTopic(lone_session(), "/t", "std_msgs/msg/String")
+    for size in (200, 100):
+        topic.subscribe(Subscribe(topic="/t", id=size, fragment_size=size))
+    fragments = unpacked(topic.frames(b'{"data":"' + b"x" * 300 + b'"}'))
+    assert max(len(fragment["data"]) for fragment in fragments) == 100
 
 
 async def test_options_that_such_a_topic_has_not_are_told(robot: Robot, client: Socketless):

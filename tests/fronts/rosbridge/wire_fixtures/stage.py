@@ -11,6 +11,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any, Final, cast
 from unittest import mock
@@ -32,6 +33,7 @@ from gateway.core.introspection import assets
 from gateway.core.topics.slices import Slices
 from gateway.drive.effects import GuardState
 from gateway.fronts.pictures.front import Pictures
+from gateway.fronts.rosbridge.session import RosbridgeSession
 from gateway.sources.actions import GoalOutcome, GoalRequest
 from gateway.sources.source import Qos, Sample
 from gateway.transport.admission import Admission
@@ -146,8 +148,12 @@ class Entering:
     address = name = "127.0.0.1"
 
     def __init__(self, client: Socketless, note: Callable[[str], None]) -> None:
-        self.session = client.session
+        self._client = client
         self._note = note
+
+    @property
+    def session(self) -> RosbridgeSession:
+        return self._client.session
 
     def close(self, code: int, reason: str) -> None:
         self._note(f"closed {code} {reason}")
@@ -228,11 +234,7 @@ class Stage:
             permissions = Policy(_ACCESS).of(cast("Role", role)) if is_known else None
             identity = None if permissions is None else Identity(role, permissions)
         wanted = None if level == "rosbridge" else cast("Level", level)
-        client = Recorded(self, name, identity, wanted)
-        self.clients[name] = client
-        entering = Entering(client, lambda text: self.note(name, text))
-        request = HttpRequest("/", Headers(Host="127.0.0.1"))
-        self.admission.enter(cast("Any", entering), client.session, request, 0.0)
+        self.clients[name] = Recorded(self, name, identity, wanted)
 
     def do_leave(self, name: str) -> None:
         self.bench.router.leave(self.clients.pop(name).session)
@@ -381,7 +383,13 @@ class Recorded(Socketless):
     ) -> None:
         self.stage = stage
         self.name = name
-        super().__init__(stage.bench.front, "127.0.0.1", identity, level)
+        entering = Entering(self, lambda text: stage.note(name, text))
+        super().__init__(
+            *(stage.bench.front, "127.0.0.1", identity, level),
+            authenticate=partial(stage.admission.authenticate, entering),
+        )
+        request = HttpRequest("/", Headers(Host="127.0.0.1"))
+        stage.admission.enter(cast("Any", entering), self.session, request, 0.0)
 
     def flush(self) -> None:
         before = len(self.wires)
