@@ -36,6 +36,9 @@ ANSWER_S: Final = 2.0
 MAX_ASKED: Final = 1024  # operations that wait for the robot's answer
 MAX_WAITING: Final = 1024  # messages of the robot. The oldest make room
 
+# for the log: as of one client, so that a flood of lines is limited
+_OF_ROBOT: Final = {"client": "robot"}
+
 logger = logging.getLogger(__name__)
 
 
@@ -89,7 +92,7 @@ class ZenohRobotLink:
                 **self._options,
             )
         except zenoh.ZError as error:
-            logger.warning("an operation was not sent to the robot: %s", str(error)[:200])
+            _log("an operation was not sent to the robot: %s", error)
             self._asked -= 1
             on_told(None)
 
@@ -98,13 +101,20 @@ class ZenohRobotLink:
         try:
             self._session.put(f"{COMMAND}/{client}", command.packed, **self._options)
         except zenoh.ZError as error:
-            logger.warning("a command was not sent to the robot: %s", str(error)[:200])
+            _log("a command was not sent to the robot: %s", error)
 
     def show(self, client: str) -> None:
-        """Show the robot that a client is there, from now on or again."""
+        """Show the robot that a client is there, from now on or again.
+
+        If Zenoh refuses, the robot sends the client away after a second.
+        """
         self.hide(client)
-        token = self._session.liveliness().declare_token(f"{TOKEN}/{client}")
-        self._tokens[client] = token
+        try:
+            token = self._session.liveliness().declare_token(f"{TOKEN}/{client}")
+        except zenoh.ZError as error:
+            _log("a client was not shown to the robot: %s", error)
+        else:
+            self._tokens[client] = token
 
     def hide(self, client: str) -> None:
         """Show the robot that a client is gone."""
@@ -118,15 +128,19 @@ class ZenohRobotLink:
         if is_on == bool(self._subscribers) or self._is_closed:
             return
         if is_on:
-            self._subscribers = [
-                self._subscribe(BEAT, self._on_beat),
-                self._subscribe(CONTROL, self._on_told),
-                self._subscribe(f"{CONTROL}/{self.relay}/*", self._on_told),
-            ]
+            try:
+                self._subscribers = [
+                    self._subscribe(BEAT, self._on_beat),
+                    self._subscribe(CONTROL, self._on_told),
+                    self._subscribe(f"{CONTROL}/{self.relay}/*", self._on_told),
+                ]
+            except zenoh.ZError as error:  # the next client tries again
+                _log("Zenoh does not listen to the robot: %s", error)
             return
         subscribers, self._subscribers = self._subscribers, []
         for each in subscribers:
-            each.undeclare()
+            with contextlib.suppress(zenoh.ZError):
+                each.undeclare()
 
     def close(self) -> None:
         """Hide all clients, and get nothing any more."""
@@ -187,4 +201,8 @@ class ZenohRobotLink:
             read()
         except WireError as error:
             self.malformed += 1
-            logger.warning("a message that no robot sends is left out: %s", error)
+            _log("a message that no robot sends is left out: %s", error)
+
+
+def _log(text: str, error: Exception) -> None:
+    logger.warning(text, str(error)[:200], extra=_OF_ROBOT)

@@ -57,7 +57,8 @@ _ANOTHER_START: Final = (
 )
 _OUT_OF_ORDER: Final = "a newer command or operation overtook this one: send a new one"
 _LOST: Final = ToldEvent(what="lost")
-_OF_RELAYS: Final = {"client": "relays"}
+# for the log: as of one client, so that a flood of lines is limited
+OF_RELAYS: Final = {"client": "relays"}
 
 logger = logging.getLogger(__name__)
 
@@ -312,8 +313,7 @@ class RemoteDrivers:
 
     def _note_malformed(self, error: WireError) -> None:
         self.malformed += 1
-        # as of one client, so that a flood of them is limited
-        logger.warning("a message that no relay sends is left out: %s", error, extra=_OF_RELAYS)
+        logger.warning("a message that no relay sends is left out: %s", error, extra=OF_RELAYS)
 
 
 def _request_of(operation: RemoteOperation) -> AnyRequest | None:

@@ -32,13 +32,13 @@ from gateway.sources.zenoh.driving_wire import (
 from gateway.sources.zenoh.inbox import LoopWaker
 from gateway.sources.zenoh.outgoing import Outgoing
 from gateway.sources.zenoh.publishing import URGENT
-from gateway.uplink.driving import RemoteDrivers
+from gateway.uplink.driving import OF_RELAYS, RemoteDrivers
 
 BEAT_S: Final = 0.05
 STATES_S: Final = 1.0
 # Each is taken within a turn of the loop, or the oldest makes room
 MAX_WAITING: Final = 256
-MAX_WAITING_TOKENS: Final = 4096
+MAX_WAITING_TOKENS: Final = 4096  # beyond, all clients have to enter again
 
 logger = logging.getLogger(__name__)
 
@@ -53,8 +53,9 @@ class DrivingEdge:
         self._commands: deque[tuple[str, bytes]] = deque(maxlen=MAX_WAITING)
         self._operations: deque[Any] = deque()
         self._stops: deque[Any] = deque()
-        self._tokens: deque[tuple[str, bool]] = deque(maxlen=MAX_WAITING_TOKENS)
+        self._tokens: deque[tuple[str, bool]] = deque()
         self._stops_all = False  # a stop came that found no room
+        self._has_missed_tokens = False
         self._is_connected = True
         self._is_closed = False
         self.dropped = 0
@@ -124,7 +125,10 @@ class DrivingEdge:
         self._waker.wake()
 
     def _on_token(self, sample: Any) -> None:
-        self._tokens.append((str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT))
+        if len(self._tokens) >= MAX_WAITING_TOKENS:
+            self._has_missed_tokens = True  # perhaps that a client is gone
+        else:
+            self._tokens.append((str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT))
         self._waker.wake()
 
     # On the loop
@@ -148,6 +152,10 @@ class DrivingEdge:
         for _ in range(len(self._tokens)):
             key, is_there = self._tokens.popleft()
             self.drivers.follow_token(key, is_there=is_there)
+        if self._has_missed_tokens:
+            self._has_missed_tokens = False
+            logger.warning("too many tokens of clients at a time: all enter again", extra=OF_RELAYS)
+            self.drivers.cut_off()
         self._answer_all(self._operations, LEASE, self.drivers.operate)
         for _ in range(len(self._commands)):
             self.drivers.command(*self._commands.popleft())
@@ -164,7 +172,7 @@ class DrivingEdge:
             try:
                 self._outgoing.send("answers to relays", len(answer), _reply(query, key, answer))
             except RosError as error:  # the relay finds out
-                logger.warning("%s", error)
+                logger.warning("%s", error, extra=OF_RELAYS)
                 query.drop()
 
     def _on_time(self) -> None:
@@ -193,7 +201,7 @@ class DrivingEdge:
         try:
             put(data)
         except zenoh.ZError as error:
-            logger.warning("Zenoh did not send to relays: %s", str(error)[:200])
+            logger.warning("Zenoh did not send to relays: %s", str(error)[:200], extra=OF_RELAYS)
 
 
 def _reply(query: Any, key: str, answer: bytes) -> Callable[[], None]:

@@ -12,6 +12,7 @@ pytest.importorskip("zenoh")
 import zenoh
 
 from gateway.access.permissions import UNLIMITED
+from gateway.log_rate import BURST, LogRate
 from gateway.relay import command_sender, driver, driving_states, zenoh_link
 from gateway.relay.driving import RemoteCommands
 from gateway.relay.zenoh_link import MAX_ASKED, MAX_WAITING, ZenohRobotLink
@@ -79,7 +80,7 @@ async def test_a_robot_that_is_not_there_is_reported_at_once(line: Line):
 
 
 async def test_operations_under_way_and_messages_of_a_robot_are_limited(
-    line: Line, monkeypatch: pytest.MonkeyPatch
+    line: Line, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ):
     told: list[Any] = []
     await eventually(lambda: line.link._asked == 0)
@@ -98,8 +99,11 @@ async def test_operations_under_way_and_messages_of_a_robot_are_limited(
     for _ in range(MAX_WAITING + 1):
         line.link._on_told(Sample())
     assert len(line.link._told) == MAX_WAITING
+    caplog.handler.addFilter(limit := LogRate())
     line.link._take()
+    caplog.handler.removeFilter(limit)
     assert line.link.malformed == MAX_WAITING
+    assert caplog.text.count("a message that no robot sends is left out") == BURST
 
 
 async def test_a_token_that_zenoh_does_not_withdraw_keeps_no_other(line: Line):
@@ -113,6 +117,22 @@ async def test_a_token_that_zenoh_does_not_withdraw_keeps_no_other(line: Line):
     line.link._tokens.update({"a/1": Token(), "a/2": Token()})
     line.link.close()
     assert len(hidden) == 2
+
+
+async def test_a_session_that_has_ended_refuses_without_an_internal_error(
+    line: Line, caplog: pytest.LogCaptureFixture
+):
+    viewer = line.relay.client()
+    await eventually(lambda: line.link._asked == 0)
+    line.link._session.close()
+    viewer.send(op="acquire_control", topic="/cmd_vel", id=1)
+    await viewer.sees_id(1)
+    assert viewer.of("status")[-1]["code"] == "timeout"
+    line.link.show("a/1")
+    line.link.listen(is_on=False)
+    line.link.listen(is_on=True)
+    assert "a client was not shown to the robot" in caplog.text
+    assert "Zenoh does not listen to the robot" in caplog.text
 
 
 class SilentSession:

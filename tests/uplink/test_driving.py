@@ -12,6 +12,7 @@ import pytest
 from gateway.access.permissions import UNLIMITED, Identity, Policy
 from gateway.config.access import AccessConfig
 from gateway.core.commands.twist_values import TwistValues
+from gateway.log_rate import BURST, LogRate
 from gateway.sources.zenoh import driving_wire
 from gateway.sources.zenoh.driving_wire import (
     RemoteCommand,
@@ -304,6 +305,37 @@ async def test_a_client_whose_token_does_not_come_leaves(relay: Relay):
     relay.later_ns = 3 * TOKEN_NS
     relay.drivers.tick()
     assert relay.drivers.clients == 2
+
+
+async def test_a_token_that_goes_ends_its_client_although_there_is_no_room_for_more(relay: Relay):
+    heard = relay.heard
+    for number in range(MAX_TOKENS):
+        relay.see(f"d/{number}")
+    relay.operate("enter")
+    relay.see()
+    relay.command()
+    await eventually(lambda: speeds(heard) == [0.2])
+    relay.see(is_there=False)
+    assert relay.drivers.clients == 0
+    await relay.stopped()
+    relay.see("d/0", is_there=False)  # makes room
+    relay.enter()
+    relay.later_ns = 2 * TOKEN_NS
+    relay.drivers.tick()
+    assert relay.drivers.clients == 1
+
+
+async def test_a_flood_of_malformed_messages_writes_few_lines_of_each_kind(relay: Relay, caplog):
+    caplog.handler.addFilter(limit := LogRate())
+    try:
+        with caplog.at_level(logging.WARNING):
+            for number in range(1000):
+                relay.drivers.follow_token(f"client/x{number}", is_there=True)
+                relay.drivers.operate(b"x" * number)
+    finally:
+        caplog.handler.removeFilter(limit)
+    assert relay.drivers.malformed == 2000
+    assert len(caplog.records) == BURST
 
 
 async def test_a_flood_of_commands_is_dropped_unread(relay: Relay):

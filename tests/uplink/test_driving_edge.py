@@ -247,6 +247,31 @@ async def test_waiting_messages_are_bounded_and_counted(edge: DrivingEdge, scene
     edge._operations.clear()
 
 
+async def test_tokens_beyond_the_limit_end_all_clients_for_one_may_have_gone(
+    relay: HandMadeRelay,
+    edge: DrivingEdge,
+    scene: Scene,  # noqa: F811
+):
+    heard = scene.listen()
+    await enter(relay, edge)
+    await until_it_moves(relay, heard)
+    epoch = edge.drivers.beat.epoch
+
+    class Token:
+        kind = zenoh.SampleKind.PUT
+
+        def __init__(self, number: int) -> None:
+            self.key_expr = f"client/b/{number}"
+
+    for number in range(driving_edge.MAX_WAITING_TOKENS + 1):
+        edge._on_token(Token(number))
+    await eventually(lambda: speeds(heard)[-5:] == [0.0] * 5)
+    assert edge.drivers.clients == 0
+    assert edge.drivers.beat.epoch != epoch
+    await enter(relay, edge)
+    await until_it_moves(relay, heard)
+
+
 def test_the_numbers_of_the_edge_are_those_of_the_reference():
     assert (driving_edge.BEAT_S, driving_edge.STATES_S) == (0.05, 1.0)
     assert (MAX_WAITING, driving_edge.MAX_WAITING_TOKENS) == (256, 4096)
