@@ -136,6 +136,7 @@ class Caller:
     """The recorded node as a client: it asks what it asked."""
 
     def __init__(self, router: str, name: str) -> None:
+        self.router = router
         self._session = client(router)
         live = self._session.liveliness()
         self._kept: list[Any] = [live.declare_token(each) for each in tokens(name)]

@@ -17,10 +17,11 @@ from gateway.sources.zenoh.attachment import read_attachment
 from gateway.sources.zenoh.heard_publishers import SampleNumbers
 from gateway.sources.zenoh.port import ZenohSource
 from gateway.sources.zenoh.token_graph import TokenGraph
+from gateway.sources.zenoh.tokens import EndpointToken, parse_token
 from tests.client import eventually
 from tests.sources.test_contract_services import soon
 from tests.sources.zenoh.conftest import open_source_on
-from tests.sources.zenoh.outside import Router
+from tests.sources.zenoh.outside import Router, client
 from tests.sources.zenoh.recordings import NAMES, of_robot, recording
 from tests.sources.zenoh.replay_calls import TYPES, Call, Callee, Caller, calls, decoded
 from tests.sources.zenoh.test_recordings import RECORDED
@@ -97,6 +98,40 @@ async def test_a_real_client_is_answered_as_it_asks() -> None:
             assert await soon(caller.ask(call)) == {"success": True, "message": f"answer {number}"}
         said = [json.loads(line["note"]) for line in of_robot(name, "event")]
         assert asked == [each["sent"] for each in said if "sent" in each]
+
+
+async def test_a_server_that_is_not_complete_is_not_asked_although_its_token_is_there() -> None:
+    name = "4c_service_client_incomplete"
+    said = [json.loads(line["note"]) for line in of_robot(name, "event")]
+    assert {"service_is_ready": True} in said
+    [call] = [each for each in said if "call" in each]
+    assert call["got"] is None
+    [server] = [each["key"] for each in of_tokens(name, by="us") if each["kind"] == "token_put"]
+    token = parse_token(server)
+    assert isinstance(token, EndpointToken)
+    service, type_name = token.key.name, token.key.type_name
+    with contextlib.ExitStack() as stack:
+        source, caller = stack.enter_context(played(Caller, name))
+        asked: list[Any] = []
+        session = stack.enter_context(contextlib.closing(client(caller.router)))
+        kept = [session.liveliness().declare_token(server)]
+        kept.append(session.declare_queryable(token.key.text, asked.append, complete=False))
+        await eventually(lambda: source.service_types(service) == (type_name,))
+        [shown] = [each for each in source.graph().services if each.name == service]
+        assert shown.nodes == ("/recorder",)
+        ours = source.services.client(service, type_name)
+        wire = TYPES.service(type_name)
+        waiting = asyncio.ensure_future(ours.call(wire.request.encode({"data": True}, 0)))
+        await eventually(lambda: bool(ours.requester._waiting) and not ours.requester.is_ready)
+        answer = wire.response.encode({"success": True, "message": "complete"}, 0)
+
+        def on_query(query: Any) -> None:
+            query.reply(token.key.text, answer, attachment=query.attachment)
+            query.drop()
+
+        kept.append(session.declare_queryable(token.key.text, on_query, complete=True))
+        assert wire.response.decode(await soon(waiting))["message"] == "complete"
+        assert asked == []
 
 
 @pytest.mark.parametrize("name", ["4d", "4e", "4f"])
@@ -226,10 +261,10 @@ def test_a_router_that_starts_again_brings_back_the_same_graph() -> None:
     assert numbers.lost == last - first + 1 - len(heard) > 0
 
 
-def of_tokens(name: str) -> list[dict[str, Any]]:
+def of_tokens(name: str, by: str = "real") -> list[dict[str, Any]]:
     return [
         line
         for line in recording(name)
-        if line["kind"].startswith("token_") and line["by"] == "real"
+        if line["kind"].startswith("token_") and line["by"] == by
         if "/@adv/" not in line["key"]
     ]
