@@ -9,6 +9,9 @@ import pytest
 
 from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import NOTE_SENT, PHONE, until
+from tests.pages.test_plot import point
+from tests.pages.test_topic_card import LABEL, plotted
+from tests.pages.test_world_views import COUNT
 
 pytestmark = pytest.mark.asyncio(loop_scope="package")
 
@@ -89,6 +92,59 @@ async def test_a_page_is_in_the_language_of_the_browser_or_the_chosen_one(
         await page.get_by_role("menuitemradio", name="English").click()
         await until(page, "() => document.getElementById('state')?.textContent === 'connected'")
         assert await page.evaluate("() => document.documentElement.lang") == "en"
+
+
+CANVASES = "[...document.querySelectorAll('article .body canvas')]"
+TOPICS = {"plot": "/odom", "map": "/map", "scan": "/scan", "imu": "/imu"}
+HELD = [("plot", "--series-1"), ("map", "--map-free"), ("scan", "--scan"), ("imu", "--warning")]
+
+
+async def choose_theme(page, name: str) -> None:
+    await page.click(".bar .more")
+    await page.get_by_role("menuitemradio", name=name).click()
+
+
+@pytest.mark.parametrize("is_held", [True, False])
+async def test_another_theme_recolours_cards_which_go_on_as_they_are(demo, open_page, is_held):
+    address = page_address(demo) + (
+        "#card=plot+0+/odom+pose.pose.position.x&card=map+0+/map&card=scan+0+/scan&card=imu+0+/imu"
+    )
+    async with open_page(address, script=NOTE_SENT, color_scheme="dark") as page:
+        for view, colour in HELD:
+            about = [f"article[aria-label^='{TOPICS[view]}'] canvas", colour]
+            await until(page, f"about => ({COUNT})(about) > 20", about)
+            if is_held:
+                await page.get_by_label(f"Pause {TOPICS[view]}", exact=True).click()
+        await page.evaluate(
+            f"() => {{ window.canvases = {CANVASES}; window.before = sent.length; }}"
+        )
+        await choose_theme(page, "Light")
+        for view, colour in HELD:
+            about = [f"article[aria-label^='{TOPICS[view]}'] canvas", colour]
+            await until(page, f"about => ({COUNT})(about) > 20", about)
+        assert await page.evaluate(f"() => {CANVASES}.every((each) => canvases.includes(each))")
+        asked = "sent.slice(before).map((each) => JSON.parse(each).op)"
+        assert "subscribe" not in await page.evaluate(f"() => {asked}")
+
+
+async def test_another_theme_keeps_what_a_plot_has(open_card):
+    async with open_card("plot", fields=["data"]) as page:
+        await page.evaluate("() => { take({ data: 7 }); now += 20_000; take({ data: 8 }); }")
+        await plotted(page)
+        marker = "() => getComputedStyle(document.querySelector('.u-marker')).borderColor"
+        before = await page.evaluate(marker)
+        await choose_theme(page, "Dark")
+        await point(page, 1 / 3)
+        await until(page, f"() => ({LABEL})()?.startsWith('data 7')")
+        assert await page.evaluate(marker) != before
+
+
+async def test_another_theme_recolours_the_map_of_the_drive_page(demo, open_page):
+    async with open_page(page_address(demo) + "drive", color_scheme="dark") as page:
+        about = ["#world canvas", "--map-free"]
+        await until(page, f"about => ({COUNT})(about) > 20", about)
+        await choose_theme(page, "Light")
+        await until(page, f"about => ({COUNT})(about) > 20", about)
 
 
 async def test_a_menu_is_used_by_keys_and_these_drive_nothing(demo, open_page):

@@ -37,6 +37,32 @@ async def test_a_window_of_ten_minutes_has_what_was_kept_before_it_was_chosen(op
         await until(page, f"() => /^data 69\\d, [89]\\.\\d s ago$/.test(({LABEL})())")
 
 
+@pytest.mark.parametrize("is_held", [True, False])
+async def test_a_plot_fills_its_card_however_large_that_is(demo, open_page, is_held):
+    high = "document.querySelector('.uplot canvas')?.getBoundingClientRect().height"
+    body = "document.querySelector('article .body')"
+    full = f"{body}.scrollHeight <= {body}.clientHeight"
+    address = page_address(demo) + "#card=plot+0+/odom+pose.pose.position.x"
+    async with open_page(address) as page:
+        await until(page, f"() => {high} > 100 && {full}")
+        usual = await page.evaluate(f"() => {high}")
+        if is_held:
+            await page.get_by_label("Pause /odom", exact=True).click()
+        await page.focus(".grip")
+        for _ in range(6):  # 36 pixels each
+            await page.keyboard.press("ArrowDown")
+        await until(page, f"usual => {high} > usual + 100 && {full}", usual)
+        resized = await page.evaluate(f"() => {high}")
+        await page.focus("article")
+        await page.keyboard.press("m")
+        await until(page, f"resized => {high} > resized + 50 && {full}", resized)
+        await page.keyboard.press("Escape")
+        await page.focus(".grip")
+        for _ in range(6):
+            await page.keyboard.press("ArrowUp")
+        await until(page, f"resized => {high} < resized - 50 && {full}", resized)
+
+
 async def test_time_is_that_of_the_stamps_if_they_are_chosen(open_card):
     stamped = """(sec) => {
         take({ data: sec, header: { stamp: { sec, nanosec: 500_000_000 } } });

@@ -13,6 +13,7 @@ export class Place {
   #failures = new Map(); // by what has failed, in words
   #ofMessage = ""; // the gateway's words about the newest message
   #aging;
+  #newest = null; // message
   #problem = element("p", { className: "problem", role: "status", hidden: true });
 
   /**
@@ -24,6 +25,7 @@ export class Place {
     this.#home = home;
     this.#gateway = gateway;
     this.#aging = new Aging(home, lateMs);
+    addEventListener("themechange", () => this.#recolour());
   }
 
   /** The view, or null. */
@@ -64,12 +66,20 @@ export class Place {
   #end() {
     this.#unsubscribe();
     this.#view?.close?.();
+    this.#newest = null;
     this.#tell("");
+  }
+
+  /** Show the same again: a canvas keeps the colours that it was painted in. */
+  #recolour() {
+    if (!this.#newest) return;
+    this.#attempt("showing", () => (this.#view.recolour ? this.#view.recolour() : this.#view.show(this.#newest)));
   }
 
   #take(message) {
     this.#untell(this.#ofMessage);
     this.#ofMessage = "";
+    this.#newest = message;
     this.#attempt("showing", () => this.#view.show(message));
   }
 

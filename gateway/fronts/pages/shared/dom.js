@@ -47,7 +47,14 @@ export function span(ms) {
   return `${Math.floor(ms / 60_000)} min`;
 }
 
+const tokens = new Map(); // to ask the page takes a while, and a canvas asks often
+globalThis.addEventListener?.("themechange", () => tokens.clear()); // as the first to hear it: who draws then imports this file
+
 /** Return a CSS variable's value, for what is drawn on a canvas. */
 export function token(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  const known = tokens.get(name);
+  if (known) return known;
+  const value = getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  tokens.set(name, value);
+  return value;
 }

@@ -16,6 +16,7 @@ export class MapView {
   #plan;
   #painter = new Painter();
   #newest;
+  #message = null; // the newest
   #map = null; // {bitmap, origin, resolution, middle, reach}
   #frame = "";
   #whereabouts = null;
@@ -44,7 +45,15 @@ export class MapView {
   }
 
   show(message) {
-    this.#newest.take(message);
+    this.#message = message;
+    return this.#newest.take(message);
+  }
+
+  /** Paint it in other colours, also while it stands still. */
+  async recolour() {
+    await this.show(this.#message);
+    this.redraw();
+    this.draw();
   }
 
   /** Draw what has changed. */

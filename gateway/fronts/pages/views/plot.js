@@ -7,7 +7,6 @@ import { PlotTools } from "./plot_tools.js";
 import { TreeView } from "./tree.js";
 import { unitOf } from "./units.js";
 
-const HEIGHT = 220; // pixels
 const LEAST_REST_MS = 66; // the eye sees no more of a line
 const MOST_REST_MS = 500;
 const MOST_CURVES = 8;
@@ -39,20 +38,25 @@ export class PlotView {
   /** @type {TreeView|null} of the numbers that can be plotted, until one is chosen */
   #choice = null;
   #tools;
-  #chart = element("div");
-  /** In pixels. To ask the element would lay out the page for each plot, because the one before has written its legend. */
-  #width = 0;
-  #observer = new ResizeObserver((entries) => (this.#width = Math.floor(entries.at(-1).contentRect.width)));
+  #chart = element("div", { className: "chart" });
+  #legend = element("div");
+  /** Of the chart, in pixels. To ask the element would lay out the page for each plot, because the one before has written its legend. */
+  #size = { width: 0, height: 0 };
+  #observer = new ResizeObserver((entries) => {
+    const { width, height } = entries.at(-1).contentRect;
+    this.#size = { width: Math.floor(width), height: Math.floor(height) };
+    if (this.#plot && this.#card.isPaused && width) this.#plot.setSize(this.#size);
+  });
 
   constructor(card) {
     this.#card = card;
-    this.#observer.observe(this.element);
+    this.#observer.observe(this.#chart);
     if (!card.fields.length) {
       this.#choice = new TreeView({ plot: (path) => card.choose(path) });
       return;
     }
     this.#tools = new PlotTools(card, { changed: (name) => this.#restart(name), panned: () => this.#pan(), csv: () => this.#csv(), add: (field) => this.#join(field) });
-    this.element.append(this.#tools.element, this.#chart, this.#tools.slider);
+    this.element.append(this.#tools.element, this.#chart, this.#legend, this.#tools.slider);
     for (const each of card.fields.slice(0, MOST_CURVES)) this.#take(each);
     this.#follow();
   }
@@ -90,14 +94,19 @@ export class PlotView {
   }
 
   draw() {
-    const isDue = this.#plot ? this.#plot.width !== this.#width : this.#samples.get(this.#card.topic)?.length;
-    if (isDue) this.#render(); // it was not laid out when its newest message came, or it has another width since
+    const isDue = this.#plot ? !this.#fits : this.#samples.get(this.#card.topic)?.length;
+    if (isDue) this.#render(); // it was not laid out when its newest message came, or it has another size since
   }
 
   /** Stand still, or go on. */
   hold(isPaused) {
     this.#tools?.hold(isPaused, Math.max(0, this.#drawnAt - this.#oldest - this.#tools.span));
     if (isPaused && this.#plot) this.#render();
+  }
+
+  /** Draw the same in the colours of the page. */
+  recolour() {
+    this.#plot?.redraw(false);
   }
 
   close() {
@@ -161,16 +170,15 @@ export class PlotView {
   }
 
   #render() {
-    if (!this.#width) return; // not laid out yet
+    if (!this.#size.width) return; // not laid out yet
     this.#draw();
   }
 
   #draw(end = this.#drawnAt) {
     this.#drawn = this.#table(end - this.#tools.span, end);
-    const width = this.#width;
     const isMade = this.#plot !== null;
-    this.#plot ??= (this.#tools.mode === "xy" ? against : overTime)(this.#labelled, this.#owner, width, () => this.#data, this.#chart);
-    if (this.#plot.width !== width) this.#plot.setSize({ width, height: HEIGHT });
+    this.#plot ??= (this.#tools.mode === "xy" ? against : overTime)(this.#labelled, this.#owner, () => this.#data, this.#chart);
+    if (!this.#fits) this.#plot.setSize(this.#size);
     if (isMade) this.#plot.setData(this.#data, this.#tools.mode === "xy");
     if (this.#tools.mode !== "xy") this.#plot.setScale("x", { min: end - this.#tools.span, max: end });
     this.#label();
@@ -191,12 +199,19 @@ export class PlotView {
     return this.#tools.mode === "xy" ? [null, ...pairs(numbers)] : numbers;
   }
 
+  /** Whether it is drawn as large as its place. */
+  get #fits() {
+    return this.#plot.width === this.#size.width && this.#plot.height === this.#size.height;
+  }
+
   get #labelled() {
     return this.#curves.map(({ field, isShown }) => ({ label: field, isShown }));
   }
 
   get #owner() {
     return {
+      size: this.#size,
+      legend: this.#legend,
       isPaused: () => this.#card.isPaused,
       moved: () => this.#plot && this.#label(),
       since: (time) => this.#since(time),

@@ -4,8 +4,7 @@
 import { token } from "../shared/dom.js";
 import uPlot from "../vendor/uplot.js";
 
-const HEIGHT = 220; // pixels, as these are:
-const LINE = 1.5;
+const LINE = 1.5; // pixels
 const EDGE = 1;
 const LEAST_SHARE = 1e-9; // of a number, that an axis shows around it
 const LARGEST = 8e307; // on an axis: the difference of its ends is also a number
@@ -20,7 +19,8 @@ export const join = (tables) => (tables.length === 1 ? tables[0] : Plot.join(tab
 
 /**
  * The questions of a chart to its view.
- * @typedef {{isPaused: () => boolean, moved: () => void, since: (time: number) => number, toggled: (index: number, isShown: boolean) => void}} Owner
+ * `size` and `legend` are the room that it has: its legend lies elsewhere, as it is as high as its words need.
+ * @typedef {{size: {width: number, height: number}, legend: HTMLElement, isPaused: () => boolean, moved: () => void, since: (time: number) => number, toggled: (index: number, isShown: boolean) => void}} Owner
  */
 
 /**
@@ -28,7 +28,7 @@ export const join = (tables) => (tables.length === 1 ? tables[0] : Plot.join(tab
  * @param {{label: string, isShown: boolean}[]} curves
  * @param {Owner} owner
  */
-export function overTime(curves, owner, width, data, place) {
+export function overTime(curves, owner, data, place) {
   const time = {
     incrs: STEPS_S,
     splits: (_plot, _axis, least, most, step) => marks(data(), least, most, step),
@@ -38,7 +38,7 @@ export function overTime(curves, owner, width, data, place) {
   const whilePaused = (_plot, _target, handler) => (event) => owner.isPaused() && handler(event);
   const series = curves.map((each, index) => ({ ...lookOf(each, index, curves.length), spanGaps: false, points: { show: false, filter: aloneIn } }));
   return made({
-    ...common(owner, width),
+    ...common(owner),
     cursor: { y: false, drag: { x: true, y: false }, bind: { mousedown: whilePaused, dblclick: whilePaused } },
     scales: { x: { time: false }, y: { range: (_, least, most) => around(least, most) } },
     axes: [{ ...axis(), ...time }, { ...axis(), size: 60 }],
@@ -47,13 +47,13 @@ export function overTime(curves, owner, width, data, place) {
 }
 
 /** Make a chart of curves against the first one. @param {{label: string, isShown: boolean}[]} all */
-export function against(all, owner, width, data, place) {
+export function against(all, owner, data, place) {
   const [first, ...curves] = all;
   const facets = [{ scale: "x", auto: true }, { scale: "y", auto: true }];
   const series = curves.map((each, index) => ({ ...lookOf(each, index, curves.length), facets, paths: line, points: { show: false } }));
   const range = (_, least, most) => around(least, most);
   return made({
-    ...common(owner, width),
+    ...common(owner),
     mode: 2,
     cursor: { show: false },
     scales: { x: { time: false, range }, y: { range } },
@@ -65,7 +65,7 @@ export function against(all, owner, width, data, place) {
 /** @param {number} skipped curves that have no series */
 function made(options, data, place, owner, skipped) {
   const plot = new Plot(options, data, place);
-  const labels = [...plot.root.querySelectorAll(".u-series .u-label")].slice(-(options.series.length - 1));
+  const labels = [...owner.legend.querySelectorAll(".u-series .u-label")].slice(-(options.series.length - 1));
   labels.forEach((label, index) => {
     label.tabIndex = 0;
     label.setAttribute("role", "button");
@@ -87,14 +87,22 @@ function made(options, data, place, owner, skipped) {
 
 const press = (label, isShown) => label.setAttribute("aria-pressed", String(isShown));
 
-const common = (owner, width) => ({ width, height: HEIGHT, hooks: { setCursor: [() => owner.moved()] }, legend: { live: false } });
+const common = (owner) => ({
+  ...owner.size,
+  hooks: { setCursor: [() => owner.moved()] },
+  legend: {
+    live: false,
+    mount: (_plot, table) => owner.legend.replaceChildren(table),
+    markers: { stroke: (_plot, index) => `var(--${COLOURS[(index - 1) % COLOURS.length]})` },
+  },
+});
 
-const axis = () => ({ stroke: token("quiet"), grid: { stroke: token("line"), width: 1 }, ticks: { stroke: token("line"), width: 1 } });
+const axis = () => ({ stroke: () => token("quiet"), grid: { stroke: () => token("line"), width: 1 }, ticks: { stroke: () => token("line"), width: 1 } });
 
 const lookOf = ({ label, isShown }, index, count) => ({
   label,
   show: isShown,
-  stroke: token(COLOURS[index % COLOURS.length]),
+  stroke: () => token(COLOURS[index % COLOURS.length]),
   dash: index < COLOURS.length ? undefined : DASH,
   width: LINE + (Math.min(count, COLOURS.length) - 1 - (index % COLOURS.length)) * EDGE, // of two that are equal, the one behind shows as an edge
 });

@@ -30,7 +30,8 @@ import { WorldView } from "./world.js";
  * `subscribe`. `show` gets the newest message before the next frame of the screen, `keep` every one.
  * `rest` is the least number of milliseconds between two calls of `show`.
  *
- * `hold` is called when the card stands still, and when it goes on.
+ * `hold` is called when the card stands still, and when it goes on. `recolour` is called when the page has other colours: a view without it
+ * gets the message that it shows by `show` again.
  * `draw` is called before each frame of the screen, `close` at the end.
  * Its class has a `title` for people, and the `types` that it shows best: all, if it names none. `isForAll`: it also shows others.
  *

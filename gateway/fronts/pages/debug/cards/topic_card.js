@@ -41,7 +41,7 @@ export class TopicCard extends Card {
     super(gateway, shown, actions, { type });
     this.#type = type;
     this.#forgets = [gateway.on("graph", () => this.#learn()), gateway.on("state", ({ state }) => state === "open" && this.#forgive())];
-    const repaint = () => this.#start(); // a canvas keeps the colours that it was painted in
+    const repaint = () => this.#repaint();
     addEventListener("themechange", repaint);
     this.#forgets.push(() => removeEventListener("themechange", repaint));
     this.controls.append(...this.#controls());
@@ -97,6 +97,13 @@ export class TopicCard extends Card {
   #show() {
     this.#visible = this.#newest;
     this.#view.show(this.#newest.message, this.#newest.data);
+  }
+
+  /** Show the same again in other colours: a canvas keeps those that it was painted in. */
+  #repaint() {
+    if (!this.#visible) return;
+    const { message, data } = this.#visible;
+    this.#attempt(() => (this.#view.recolour ? this.#view.recolour() : this.#view.show(message, data)));
   }
 
   tick() {
