@@ -19,9 +19,14 @@ READY = "() => lab.twin.points > 0 && /^(Stopped|You may watch)/.test(control.te
 
 
 @contextlib.asynccontextmanager
-async def opened(open_page: OpenPage, address: str, **options: Any) -> AsyncIterator[Any]:
-    """Open the lab and enter once it shows the robot, with its parts as ``lab``."""
-    async with open_page(f"{address}lab", viewport=SMALL, **options) as page:
+async def opened(
+    open_page: OpenPage, address: str, chosen: str = "", **options: Any
+) -> AsyncIterator[Any]:
+    """Open the lab and enter once it shows the robot, with its parts as ``lab``.
+
+    *chosen* is the part of the address that chooses topics.
+    """
+    async with open_page(f"{address}lab#{chosen}", viewport=SMALL, **options) as page:
         await page.evaluate(KEEP)
         await page.wait_for_function(READY)
         yield page

@@ -494,6 +494,7 @@ async def test_a_service_is_called_by_keyboard_alone(demo, open_page):
         assert await page.get_attribute("#tab-services", "aria-selected") == "true"
         await page.focus("#search")
         await page.keyboard.type("motor")
+        await page.keyboard.press("Tab")  # the scene
         await page.keyboard.press("Tab")  # the tabs
         await page.keyboard.press("Tab")  # what was found
         await page.keyboard.press("Enter")

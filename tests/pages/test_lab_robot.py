@@ -88,9 +88,9 @@ async def test_a_point_cloud_stands_in_the_room_where_its_frame_is(demo, speaker
         "data": base64.b64encode(octets).decode(),
         "is_dense": True,
     }
-    topic = {"topic": "/points"}
+    topic = {"topic": "/three_points"}  # the simulated robot publishes another cloud
     type_name = "sensor_msgs/msg/PointCloud2"
-    async with opened(open_page, page_address(demo)) as page:
+    async with opened(open_page, page_address(demo), "cloud=/three_points") as page:
         assert await page.evaluate("() => lab.cloud.points") == 0
         await speaker.send(op="advertise", **topic, type=type_name, latch=True)
         await speaker.send(op="publish", **topic, msg=cloud)

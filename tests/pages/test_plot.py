@@ -16,8 +16,9 @@ LABELS = "() => [...document.querySelectorAll('.u-label')].map((each) => each.te
 
 async def point(page, share: float) -> None:
     """Point at a place of the plot, as a share of its width."""
-    box = await page.locator(".plot .u-over").bounding_box()
-    await page.mouse.move(box["x"] + box["width"] * share, box["y"] + 9)
+    over = page.locator(".plot .u-over")
+    width = await over.evaluate("each => each.clientWidth")
+    await over.hover(position={"x": width * share, "y": 9})  # when it has ceased to move
 
 
 async def test_a_window_of_ten_minutes_has_what_was_kept_before_it_was_chosen(open_card):
@@ -88,10 +89,11 @@ async def test_a_change_has_the_unit_of_the_change(open_card):
         await page.evaluate("() => take({ linear: { x: 0 } })")
         await plotted(page)
         await page.evaluate(f"() => [2, 4, 6].forEach({speed})")
-        assert await page.evaluate(LABEL) == "linear.x 6 m/s"
+        drawn = f"text => {{ alone.draw(now); return ({LABEL})() === text; }}"
+        await until(page, drawn, "linear.x 6 m/s")
         await page.get_by_label("mode of /x").select_option("change per second")
         await page.evaluate(f"() => [8].forEach({speed})")
-        assert await page.evaluate(LABEL) == "linear.x 2.000 m/s²"
+        await until(page, drawn, "linear.x 2.000 m/s²")
 
 
 async def test_one_number_against_another(open_card):
@@ -161,6 +163,7 @@ async def test_numbers_of_several_topics_in_one_plot(served, open_page):
             await robot.send(op="publish", topic=topic, msg={"data": value})
         async with open_page(address) as page:
             await page.wait_for_selector(".uplot")
+            await page.wait_for_selector("#topics button:has-text('/two')")
             others = page.get_by_label("add a topic to the plot of /one")
             await others.focus()
             await others.select_option("/two")
