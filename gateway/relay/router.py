@@ -22,6 +22,7 @@ from gateway.errors import BindError, ConfigError, RosStartError, system_reason
 from gateway.relay.router_file import RouterConfig
 from gateway.relay.router_rules import access_control
 from gateway.sources.zenoh.session import LEASE_MS, close_session, first_line
+from gateway.sources.zenoh.unusable import address_of
 
 logger = logging.getLogger("gateway")
 
@@ -138,11 +139,10 @@ def _password_file(passwords: dict[str, str]) -> Iterator[str]:
 
 
 def _host_and_port(endpoint: str) -> tuple[str, int]:
-    address = endpoint.partition("/")[2].partition("?")[0].partition("#")[0]
-    host, _, port = address.rpartition(":")
-    if not port.isdecimal():
+    address = address_of(endpoint)
+    if address.port is None:
         raise ConfigError(f"--listen: got {endpoint}, expected a port such as tcp/127.0.0.1:7447")
-    return host.strip("[]"), int(port)
+    return address.host, address.port
 
 
 def _is_local(endpoint: str) -> bool:

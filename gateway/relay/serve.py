@@ -50,9 +50,7 @@ from gateway.transport.static_files import PAGES, StaticFiles
 
 logger = logging.getLogger("gateway")
 
-_REMEDY: Final = (
-    "start the router (ros2-gateway router), check its address, the certificate, and the password"
-)
+_REMEDY: Final = "start the router (ros2-gateway router), and check its address and the firewall"
 
 
 def run(
@@ -76,6 +74,7 @@ def run(
         endpoint,
         overrides=config.relay.settings,
         settings=link_settings(config.relay, "relay"),
+        section="relay",
         given_by="the address of the router, or relay.settings",
         remedy=_REMEDY,
     )

@@ -17,7 +17,7 @@ ALIVE: Final = "alive"
 ROBOT: Final = "robot"
 LOOK_S: Final = 2.0
 
-_REMEDY: Final = "start the router, check uplink.endpoint, the certificate and the password"
+_REMEDY: Final = "start the router, and check uplink.endpoint and the firewall"
 
 _Result = TypeVar("_Result")
 
@@ -50,6 +50,7 @@ def options_of(config: UplinkConfig, robot: str) -> ZenohOptions:
         overrides=config.settings,
         settings=link_settings(config, "uplink"),
         namespace=f"gw/{robot}",
+        section="uplink",
         given_by="uplink.endpoint or uplink.settings",
         remedy=_REMEDY,
     )

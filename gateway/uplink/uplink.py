@@ -30,8 +30,8 @@ _TAKEN: Final = (
     " them another name with uplink.robot_name"
 )
 _REFUSED: Final = (
-    "the Zenoh router of the uplink passes nothing on: allow this robot the keys of its name in the"
-    " router's access control"
+    "the Zenoh router of the uplink passes nothing on: use the credentials of this robot's name, or"
+    " allow them the keys of this name in the router's access control"
 )
 
 _FAILED: Final = "the uplink has failed and tries again: look at the log of the gateway"

@@ -170,6 +170,9 @@ async def test_a_graph_without_end_is_cut_and_reported(
         ({"user": "r1"}, "uplink.user and uplink.user_file belong together"),
         ({"cert": "a.pem"}, "uplink.cert and uplink.key belong together"),
         ({"user": "r1", "user_file": "/nothing"}, "uplink.user_file: /nothing cannot be read"),
+        ({"ca": "/nothing"}, "uplink.ca: /nothing: cannot be read, no such file"),
+        ({"ca": __file__}, "uplink.ca: .*: no certificate in PEM"),
+        ({"cert": "/no", "key": "/nothing"}, "uplink.cert and uplink.key: /no, /nothing: cannot"),
     ],
 )
 async def test_settings_that_cannot_work_are_named(fleet: Fleet, settings, words):
@@ -195,7 +198,8 @@ async def test_a_password_opens_the_router(fleet: Fleet, tmp_path, caplog):
     secret.write_text("wrong\n")
     settings = {"endpoint": address, "user": "r1", "user_file": str(secret)}
     refused = await fleet.uplink(**settings)
-    await eventually(lambda: "cannot be reached" in texts(refused))
+    await eventually(lambda: "refuses the name 'r1' or its password" in texts(refused))
+    assert "sesame" not in texts(refused)
     secret.write_text("open sesame\n")
     await fleet.offered(**settings)
 

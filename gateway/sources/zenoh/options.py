@@ -18,6 +18,7 @@ class ZenohOptions:
     router: str  # such as tcp/robot:7447
     overrides: str = ""  # the value of ZENOH_CONFIG_OVERRIDE
     settings: Mapping[str, object] = field(default_factory=dict)  # of Zenoh, by key
+    section: str = ""  # of the configuration, that has the settings
     given_by: str = "--zenoh or ZENOH_CONFIG_OVERRIDE"  # for errors, with what to do
     remedy: str = _REMEDY
     namespace: str = ""  # before all keys of the session, such as gw/r1. It sees no others

@@ -19,6 +19,7 @@ from gateway.sources.zenoh.tokens import (
     NodeToken,
     endpoint_token,
 )
+from gateway.sources.zenoh.unusable import unusable
 
 # The router announces the end of a gateway that hangs after this time. rmw_zenoh's is 60 s.
 LEASE_MS: Final = 2000
@@ -57,9 +58,19 @@ def open_session(options: ZenohOptions) -> Any:
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
-        reason = first_line(error)
-        text = f"the Zenoh router {options.router} cannot be reached ({reason}): {options.remedy}"
-        raise RosStartError(text) from error
+        what, remedy = f"cannot be reached ({first_line(error)})", options.remedy
+        read = {key: _value(text) for key, text in values.items()}
+        found = unusable(options.router, read, options.section, options.remedy)
+        if found is not None:
+            what, remedy = found
+        raise RosStartError(f"the Zenoh router {options.router} {what}: {remedy}") from error
+
+
+def _value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError:  # Zenoh accepts more than JSON
+        return text.strip("'")
 
 
 class ZenohSession:
