@@ -122,6 +122,36 @@ async def test_a_card_has_the_whole_page_on_request(demo, open_page):
         await imu.wait_for()
 
 
+@pytest.mark.parametrize("view", ["image+0+/camera/image_raw", "scene+0+/"])
+async def test_full_screen_and_maximize_are_one_and_end_above_the_links_of_a_phone(
+    demo, open_page, view
+):
+    fills = """() => {
+        const place = (each) => document.querySelector(each).getBoundingClientRect();
+        const { top, bottom, width } = place("article.whole");
+        return top === place(".bar").bottom && bottom === place(".pages").top
+            && width === innerWidth;
+    }"""
+    restored = "() => !document.querySelector('.whole') && !document.fullscreenElement"
+    async with open_page(page_address(demo) + f"#card={view}&card=tree+0+/odom", PHONE) as page:
+        article = page.locator("article").first
+        full = page.get_by_role("button", name="Full screen").or_(
+            page.get_by_role("button", name="Full screen of /camera/image_raw")
+        )
+        await full.wait_for()
+        await article.focus()
+        await page.keyboard.press("m")
+        await until(page, fills)
+        assert await page.evaluate("() => !document.fullscreenElement")
+        await full.click()  # which leaves it
+        await until(page, restored)
+        await full.click()
+        await until(page, f"() => document.fullscreenElement && ({fills})()")
+        await page.evaluate("() => document.exitFullscreen()")  # as the key of the browser does
+        await until(page, restored)
+        assert await page.locator("article").count() == 2
+
+
 async def test_cards_of_another_tab_ask_for_nothing_and_come_back(demo, open_page):
     ended = """topic => sent.map((each) => JSON.parse(each))
         .some((each) => each.op === "unsubscribe" && each.topic === topic)"""

@@ -153,8 +153,8 @@ async def test_a_menu_is_used_by_keys_and_these_drive_nothing(demo, open_page):
         await until(page, "() => state.textContent === 'connected'")
         await page.focus(".bar .more")
         await page.keyboard.press("Enter")
-        assert "Keys" in await page.evaluate(focus)
-        for key, there in (("ArrowDown", "system"), ("End", "Suomi"), ("ArrowUp", "English")):
+        await until(page, f"() => ({focus})().includes('Keys')")
+        for key, there in (("ArrowDown", "character"), ("End", "Suomi"), ("ArrowUp", "English")):
             await page.keyboard.press(key)
             assert there in await page.evaluate(focus)
         await page.keyboard.press("Home")
@@ -165,6 +165,38 @@ async def test_a_menu_is_used_by_keys_and_these_drive_nothing(demo, open_page):
         await page.keyboard.press("Escape")
         await page.keyboard.press("?")
         await page.wait_for_selector("#keys[open]:has-text('Stop the robot')")
+
+
+@pytest.mark.parametrize(("path", "key"), [("", "?"), ("", "/"), ("", "m"), ("drive", "w")])
+async def test_characters_do_nothing_once_they_are_off_but_space_stops(demo, open_page, path, key):
+    acts = """key => ({
+        "?": () => document.querySelector("#keys[open]"),
+        "/": () => document.activeElement === document.getElementById("search"),
+        m: () => document.querySelector(".card.whole"),
+        w: () => document.getElementById("knob").style.transform.includes("-3.5rem"),
+    })[key]()"""
+    address = page_address(demo) + path + ("" if path else "#card=tree+0+/odom")
+    async with open_page(address, script=NOTE_SENT) as page:
+        await until(page, "() => state.textContent === 'connected'")
+        for _ in range(2):  # off and on. It is kept
+            await page.click(".bar .more")
+            await page.get_by_role("menuitemcheckbox", name="Keys of one character").click()
+            await page.reload()
+            await until(page, "() => state.textContent === 'connected'")
+            if path:
+                await until(page, "() => stick.ariaDisabled !== 'true'")
+            else:
+                await page.focus("article")
+            await page.keyboard.down(key)
+            kept = await page.evaluate("() => localStorage.getItem('ros2-gateway.characters')")
+            if kept is None:
+                await until(page, acts, key)
+            else:
+                assert not await page.evaluate(acts, key)
+            await page.keyboard.up(key)
+            if path:
+                await page.keyboard.press("Space")
+                await until(page, "() => sent.some((each) => JSON.parse(each).op === 'stop')")
 
 
 async def test_the_space_bar_is_for_stop_after_a_menu_was_used_by_the_mouse(demo, open_page):

@@ -11,7 +11,7 @@ pytestmark = pytest.mark.asyncio(loop_scope="package")
 PHONES = {"viewport": PHONE, "has_touch": True, "is_mobile": True}
 PLACES = """() => [...document.querySelectorAll(".pages a")].map((each) => {
     const { left, top, width, height } = each.getBoundingClientRect();
-    return [each.textContent, left, top, width, height];
+    return [each.innerText, left, top, width, height];
 })"""
 IN_VIEW = """() => {
     const { top, bottom } = document.getElementById("tabs").getBoundingClientRect();
@@ -24,7 +24,7 @@ async def test_the_pages_are_at_the_bottom_and_hide_nothing(demo, open_page, pat
     async with open_page(page_address(demo) + path, **PHONES) as page:
         await page.wait_for_selector("[data-state=open]")
         places = await page.evaluate(PLACES)
-        assert [name for name, *_ in places] == ["Debug", "Topics", "Drive", "Lab"]
+        assert [name for name, *_ in places] == ["Cards", "Topics", "Drive", "Lab"]
         for _, _, top, width, height in places:
             assert min(width, height) >= 44
             assert top + height <= PHONE["height"]

@@ -547,13 +547,13 @@ async def test_a_cloud_of_the_list_opens_in_the_scene(demo, open_page):
 async def test_stop_stays_in_view_when_a_scene_fills_the_screen(demo, open_page):
     async with open_page(page_address(demo) + SCENE) as page:
         await page.get_by_role("button", name="Full screen").click()
-        await until(page, "() => document.querySelector('.scene.full')")
+        await until(page, "() => document.querySelector('.whole .scene')")
         stop = await page.locator(".stop").bounding_box()
         scene = await page.locator(".scene").bounding_box()
         assert scene["y"] >= stop["y"] + stop["height"]
         assert scene["width"] == page.viewport_size["width"]
         await page.get_by_role("button", name="Full screen").click()
-        await until(page, "() => !document.querySelector('.scene.full')")
+        await until(page, "() => !document.querySelector('.whole')")
 
 
 async def test_a_pose_keeps_the_frame_in_which_it_was_begun(evaluate):

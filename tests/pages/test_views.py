@@ -278,7 +278,7 @@ async def test_a_picture_fills_the_screen_below_stop_and_is_zoomed_by_keys(demo,
         await page.mouse.wheel(0, -100)
         await until(page, f"() => {scale}.a > 1")
         await page.keyboard.press("Escape")
-        await until(page, "() => !document.querySelector('.full') && !document.fullscreenElement")
+        await until(page, "() => !document.querySelector('.whole') && !document.fullscreenElement")
         await until(page, "() => document.activeElement.textContent === 'Full screen'")
         await until(page, f"() => {asked}.image.max_width === 640")
 

@@ -15,6 +15,8 @@ export class Desk {
   tabs = [{ name: "", cards: [] }];
   /** The tab that is shown. */
   tab = this.tabs[0];
+  /** The card that has the whole page. @type {import("./cards/card.js").Card|null} */
+  #whole = null;
   #place;
   #strip;
   #gateway;
@@ -35,15 +37,16 @@ export class Desk {
       ...to,
       close: (card) => this.#close(card, to.left),
       move: (card, where) => this.move(card, where),
-      maximise: (card) => {
+      maximise: (card, isOnScreen) => {
         to.changed(); // cards that come by themselves would restore it
-        this.maximise(card);
+        this.maximise(card, isOnScreen);
       },
       tabs: (card) => this.#entries(card),
     };
     addEventListener("keydown", (event) => {
       if (event.key === "Escape" && !event.defaultPrevented && !document.querySelector("dialog[open], :popover-open")) this.maximise(null);
     });
+    document.addEventListener("fullscreenchange", () => document.fullscreenElement ?? this.maximise(null));
     strip.addEventListener("keydown", (event) => this.#step(event));
   }
 
@@ -71,7 +74,7 @@ export class Desk {
     const { cards } = this.tab;
     const index = cards.indexOf(card);
     const hadFocus = card.element.contains(document.activeElement);
-    if (card.element.classList.contains("whole")) this.maximise(null);
+    if (card.isFull) this.maximise(null);
     card.close();
     cards.splice(index, 1);
     this.#actions.changed();
@@ -96,14 +99,20 @@ export class Desk {
     this.#actions.changed();
   }
 
-  /** Let a card have the whole page, or give all cards their places again. */
-  maximise(card) {
-    const whole = this.#place.querySelector(".card.whole");
-    const next = card && card.element !== whole ? card.element : null;
-    whole?.classList.remove("whole");
-    next?.classList.add("whole");
+  /** Let a card have the page below the bar with STOP, also the screen where the browser can, or give all cards their places again. */
+  maximise(card, isOnScreen = false) {
+    const before = this.#whole;
+    const next = card === before ? null : card;
+    if (next === before) return;
+    this.#whole = next;
+    before?.element.classList.remove("whole");
+    next?.element.classList.add("whole");
     document.body.classList.toggle("maximised", Boolean(next));
-    (next ?? (card && whole))?.focus({ preventScroll: true });
+    (next ?? (card && before))?.element.focus({ preventScroll: true });
+    before?.setFull(false);
+    next?.setFull(true);
+    if (next && isOnScreen) document.documentElement.requestFullscreen?.().catch(() => {}); // a phone may have none: the page is filled all the same
+    else if (!next && document.fullscreenElement) document.exitFullscreen();
   }
 
   /** Open a tab, or show one. */

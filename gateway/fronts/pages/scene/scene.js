@@ -57,8 +57,9 @@ export class SceneView {
    * @param {import("../shared/gateway.js").Gateway} gateway
    * @param {string[]} kept texts of the scene as it was
    * @param {() => void} changed is called when a user has changed something that is kept
+   * @param {{fill: () => void, onFull: (take: (isFull: boolean) => void) => () => void}} card fills the page with it
    */
-  constructor(gateway, kept, changed) {
+  constructor(gateway, kept, changed, card) {
     this.#gateway = gateway;
     this.#changed = changed;
     this.#kept = texts.read(kept);
@@ -68,7 +69,7 @@ export class SceneView {
     this.#view = new View3d(this.#canvas, () => this.#dirty());
     this.#drag = new PoseDrag(() => ({ yaw: this.#heading, frame: this.frames.fixed }), () => this.#dirty(), (pose) => this.#given(pose));
     this.layers = new Layers({ gateway, frames: this.frames, changed: () => this.#dirty() }, this.#kept.layers, changed);
-    this.element = this.#build();
+    this.element = this.#build(card);
     this.#light();
     this.#begin();
     this.#listen();
@@ -76,7 +77,6 @@ export class SceneView {
     this.#sizes.observe(this.#canvas);
     this.#looks = new MutationObserver(() => this.#paint());
     this.#looks.observe(document.documentElement, { attributes: true });
-    document.addEventListener("fullscreenchange", () => document.fullscreenElement ?? this.#fill(false), { signal: this.#ends.signal });
     matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => this.#paint(), { signal: this.#ends.signal });
     this.#forget = gateway.on("graph", () => this.layers.learn());
     this.layers.learn();
@@ -128,7 +128,7 @@ export class SceneView {
     this.#isDirty = true;
   }
 
-  #build() {
+  #build(card) {
     const home = element("button", { type: "button", title: "look at the robot from behind" }, "Home");
     home.onclick = () => this.#goHome();
     this.#top.onclick = () => {
@@ -147,8 +147,9 @@ export class SceneView {
       this.layers.element.hidden = !this.layers.element.hidden;
       list.setAttribute("aria-expanded", String(!this.layers.element.hidden));
     };
-    const full = element("button", { type: "button", title: "fill the screen. Escape leaves it" }, "Full screen");
-    full.onclick = () => this.#fill(!this.element.classList.contains("full"));
+    const full = element("button", { type: "button", title: "fill the screen. Escape leaves it", aria: { pressed: "false" } }, "Full screen");
+    full.onclick = () => card.fill();
+    this.#ends.signal.addEventListener("abort", card.onFull((isFull) => full.setAttribute("aria-pressed", String(isFull))));
     this.#fixed.onchange = () => {
       this.#kept.frame = this.#fixed.value;
       this.#fix();
@@ -157,17 +158,6 @@ export class SceneView {
     const bar = element("div", { className: "scene-bar" }, element("label", {}, "Frame ", this.#fixed), home, this.#top, this.#follow, this.#tools.element, list, full);
     const drawn = element("div", { className: "drawn" }, this.#canvas, this.#missing);
     return element("div", { className: "scene" }, bar, drawn, this.layers.element, this.#goalLine.element);
-  }
-
-  /** Fill the screen below the bar of the page, which has STOP, or no longer. */
-  async #fill(isFull) {
-    this.element.classList.toggle("full", isFull);
-    try {
-      if (isFull) await document.documentElement.requestFullscreen();
-      else if (document.fullscreenElement) await document.exitFullscreen();
-    } catch {
-      // a browser that has no full screen: it fills the window
-    }
   }
 
   #press() {

@@ -8,7 +8,7 @@ import { element, find } from "./dom.js";
 import { fill, say } from "./language.js";
 import { notice, review, tell } from "./notice.js";
 import { pageMenu } from "./page_menu.js";
-import { goOn, topicsLink } from "./phone.js";
+import { debugName, goOn, topicsLink } from "./phone.js";
 import { playerBar } from "./player.js";
 import { recorder } from "./record.js";
 import { stopButton } from "./stop.js";
@@ -67,7 +67,7 @@ export function connect(gateway, here, { figures = [], entries = [], keys = [] }
 
 function header(gateway, here, more) {
   const links = Object.entries(PAGES).map(([name, path]) => (
-    element("a", { href: path, aria: name === here ? { current: "page" } : {} }, say(`page.${name}`))
+    element("a", { href: path, aria: name === here ? { current: "page" } : {} }, ...(name === "debug" ? debugName() : [say(`page.${name}`)]))
   ));
   links.splice(1, 0, topicsLink(PAGES.debug, here));
   return element(

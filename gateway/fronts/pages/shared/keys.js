@@ -45,8 +45,20 @@ export function whenUnseen(letGo, { where, signal }) {
   document.addEventListener("visibilitychange", () => document.hidden && letGo(), { signal });
 }
 
-/** Return whether a key is for what has the focus: each for a text, a list, a menu or a dialog, the arrows for a slider. */
-export function isTaken({ target, code }) {
+const KEY = "ros2-gateway.characters"; // of the storage of the browser
+
+/** Return whether characters do anything, such as ? and W: who speaks to a computer may press them unawares. Other keys always do. */
+export const areCharactersOn = () => localStorage.getItem(KEY) !== "off";
+
+/** Let characters do something, or not. */
+export function useCharacters(isOn) {
+  if (isOn) localStorage.removeItem(KEY);
+  else localStorage.setItem(KEY, "off");
+}
+
+/** Return whether a key is not for the page, but for what has the focus: each for a text, a list, a menu or a dialog, the arrows for a slider. */
+export function isTaken({ target, code, key = "" }) {
+  if (key.length === 1 && code !== "Space" && !areCharactersOn()) return true; // the space bar is STOP
   if (!(target instanceof Element)) return false;
   if (target instanceof HTMLInputElement && target.type === "range") return code.startsWith("Arrow");
   return target.matches("input:not([type=button]), select, textarea, dialog *, [role=menu], [role=menu] *");

@@ -2,8 +2,8 @@
 import { element } from "./dom.js";
 
 /**
- * An entry of a menu. `isOn` makes it one of several that can be chosen, `key` is a key that does the same. Without `act` it is a heading.
- * @typedef {{label: string, act?: () => void, isOn?: boolean, key?: string, isOff?: boolean}} Entry
+ * An entry of a menu. `isOn` makes it one of several that can be chosen, or with `isSwitch` one that is on or off. `key` is a key that does the same. Without `act` it is a heading.
+ * @typedef {{label: string, act?: () => void, isOn?: boolean, isSwitch?: boolean, key?: string, isOff?: boolean}} Entry
  */
 
 const MORE = "⋯";
@@ -40,9 +40,9 @@ export function menu(label, entries, face = MORE) {
 }
 
 /** @param {Entry} about */
-function entry({ label, act, isOn, key = "", isOff = false }, list) {
+function entry({ label, act, isOn, isSwitch = false, key = "", isOff = false }, list) {
   if (!act) return element("p", { className: "quiet", role: "presentation" }, label);
-  const made = element("button", { type: "button", className: "ghost", role: isOn === undefined ? "menuitem" : "menuitemradio", tabIndex: -1, disabled: isOff }, element("span", {}, label), element("kbd", {}, key));
+  const made = element("button", { type: "button", className: "ghost", role: isOn === undefined ? "menuitem" : isSwitch ? "menuitemcheckbox" : "menuitemradio", tabIndex: -1, disabled: isOff }, element("span", {}, label), element("kbd", {}, key));
   if (isOn !== undefined) made.setAttribute("aria-checked", String(isOn));
   made.onclick = () => {
     list.hidePopover();

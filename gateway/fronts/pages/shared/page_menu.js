@@ -3,7 +3,7 @@
 
 import { showDialog } from "./dialog.js";
 import { element } from "./dom.js";
-import { isTaken } from "./keys.js";
+import { areCharactersOn, isTaken, useCharacters } from "./keys.js";
 import { chosen, choose, language, LANGUAGES, say } from "./language.js";
 import { menu } from "./menu.js";
 
@@ -19,6 +19,7 @@ export function pageMenu(more, keys) {
   const entries = () => [
     ...more,
     { label: say("menu.keys"), key: "?", act: () => showDialog(dialog) },
+    { label: say("menu.characters"), isOn: areCharactersOn(), isSwitch: true, act: () => useCharacters(!areCharactersOn()) },
     { label: say("menu.theme") },
     ...THEMES.map((theme) => ({ label: say(`theme.${theme}`), isOn: chosenTheme() === theme, act: () => chooseTheme(theme) })),
     { label: say("menu.language") },

@@ -22,6 +22,9 @@ export function topicsLink(debug, here) {
   return link;
 }
 
+/** Return the name of the debug page. On a phone its cards and its topics have a link each. */
+export const debugName = () => [element("span", { className: "of-desk" }, say("page.debug")), element("span", { className: "of-phone" }, say("page.cards"))];
+
 /** Bring into view what was asked for on another page. */
 export function goOn(here) {
   if (here !== "debug" || sessionStorage.getItem(KEY) !== TOPICS) return;

@@ -36,8 +36,9 @@ export class ImageView {
     const [near, far] = this.#ends.map((each, index) => element("label", {}, `${["near", "far"][index]} (m) `, each));
     this.#depth = element("div", { className: "tools", hidden: true }, near, far, this.#colours);
     const full = element("button", { type: "button", title: "fill the page below STOP. Zoom by wheel, fingers, + and -, 0 shows all", aria: { label: `Full screen of ${card.topic}` } }, "Full screen");
-    full.onclick = () => card.setFull(!card.isFull);
+    full.onclick = () => card.fill();
     this.#ignore = card.onFull((isFull) => this.#fill(isFull, full));
+    this.#look(card.isFull, full);
     this.element = element("div", { className: "pictured" }, this.#stage, this.#depth, element("div", { className: "tools" }, full));
   }
 
@@ -73,12 +74,17 @@ export class ImageView {
   }
 
   #fill(isFull, button) {
+    const hadFocus = this.#stage === document.activeElement;
+    this.#look(isFull, button);
+    this.#card.subscribe(); // as large as it is seen
+    if (isFull) this.#stage.focus();
+    else if (hadFocus) button.focus();
+  }
+
+  #look(isFull, button) {
     button.textContent = isFull ? "Leave full screen" : "Full screen";
     this.#stage.tabIndex = isFull ? 0 : -1;
     this.#zoom.isOn = isFull;
     this.#zoom.reset();
-    this.#card.subscribe(); // as large as it is seen
-    if (isFull) this.#stage.focus();
-    else button.focus();
   }
 }

@@ -38,7 +38,7 @@ export class WorldView {
         card.fields = this.#scene.kept;
         card.actions.changed();
       };
-      this.#scene = new SceneView(card.gateway, card.fields, keep);
+      this.#scene = new SceneView(card.gateway, card.fields, keep, card);
       this.element.replaceChildren(this.#scene.element);
     } catch (error) {
       this.element.textContent = `The scene does not start: ${error.message}. Reload the page.`;

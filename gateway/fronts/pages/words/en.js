@@ -5,6 +5,7 @@ export default {
   "close": "Close",
 
   "page.debug": "Debug",
+  "page.cards": "Cards",
   "page.drive": "Drive",
   "page.lab": "Lab",
   "page.topics": "Topics",
@@ -25,6 +26,7 @@ export default {
 
   "menu.more": "More actions",
   "menu.keys": "Keys",
+  "menu.characters": "Keys of one character",
   "menu.theme": "Theme",
   "theme.system": "As the system",
   "theme.dark": "Dark",

@@ -5,6 +5,7 @@ export default {
   "close": "Sulje",
 
   "page.debug": "Tutki",
+  "page.cards": "Kortit",
   "page.drive": "Aja",
   "page.lab": "Laboratorio",
   "page.topics": "Aiheet",
@@ -25,6 +26,7 @@ export default {
 
   "menu.more": "Lisää toimintoja",
   "menu.keys": "Näppäimet",
+  "menu.characters": "Yhden merkin näppäimet",
   "menu.theme": "Teema",
   "theme.system": "Kuten järjestelmä",
   "theme.dark": "Tumma",

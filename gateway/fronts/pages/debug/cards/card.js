@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { breakable, element } from "../../shared/dom.js";
+import { isTaken } from "../../shared/keys.js";
 import { say } from "../../shared/language.js";
 import { menu } from "../../shared/menu.js";
 import { movable } from "../moving.js";
@@ -15,7 +16,7 @@ import { resizable, resize } from "../resizing.js";
 /**
  * The requests of a card to the page. `move` gives the card another place: before another card, or by so many places.
  * @typedef {{changed: () => void, close: (card: Card) => void, open: (name: string, view?: string, fields?: string[]) => void, grown: (card: Card) => void,
- *   move: (card: Card, where: number|{before: Element|null}) => void, maximise: (card: Card) => void, tabs: (card: Card) => import("../../shared/menu.js").Entry[]}} Actions
+ *   move: (card: Card, where: number|{before: Element|null}) => void, maximise: (card: Card, isOnScreen?: boolean) => void, tabs: (card: Card) => import("../../shared/menu.js").Entry[]}} Actions
  */
 
 /** The frame of everything that lies on the page: a title with controls, what is wrong, a body and a footer. */
@@ -79,9 +80,8 @@ export class Card {
 
   /** Return the entries about its place. */
   #places() {
-    const isWhole = this.element.classList.contains("whole");
     return [
-      { label: isWhole ? say("card.restore") : say("card.maximise"), key: "m", act: () => this.actions.maximise(this) },
+      { label: this.isFull ? say("card.restore") : say("card.maximise"), key: "m", act: () => this.actions.maximise(this) },
       { label: say("card.earlier"), key: "[", act: () => this.actions.move(this, -1) },
       { label: say("card.later"), key: "]", act: () => this.actions.move(this, 1) },
       { label: say("card.usual"), act: () => this.#resize(0, 0), isOff: !this.wide && !this.tall },
@@ -96,7 +96,7 @@ export class Card {
 
   #press(event) {
     const { key, target, defaultPrevented } = event;
-    if (defaultPrevented || event.ctrlKey || event.altKey || event.metaKey || target.matches("input, select, textarea, [role=application], [role^=menu]")) return;
+    if (defaultPrevented || isTaken(event) || event.ctrlKey || event.altKey || event.metaKey || target.matches("[role=application]")) return;
     if (key === "m") this.actions.maximise(this);
     else if (key === "[" || key === "]") this.actions.move(this, key === "[" ? -1 : 1);
   }
@@ -108,22 +108,14 @@ export class Card {
     this.actions.changed();
   }
 
-  /** Fill the page below its bar, so that STOP stays in reach, and the whole screen where the browser can. Or end that. */
+  /** Fill the page, and the whole screen where the browser can, or end that. */
+  fill() {
+    this.actions.maximise(this, true);
+  }
+
+  /** Fill the page, or not: the desk sees to the other cards. */
   setFull(isFull) {
-    if (isFull === this.isFull) return;
     this.isFull = isFull;
-    this.element.classList.toggle("full", isFull);
-    document.documentElement.classList.toggle("filled", isFull);
-    for (const each of document.querySelectorAll("main > nav, .card")) if (each !== this.element) /** @type {any} */ (each).inert = isFull; // it cannot be seen
-    if (isFull) {
-      document.documentElement.requestFullscreen?.().catch(() => {}); // a phone may have none: the page is filled all the same
-      addEventListener("fullscreenchange", this.#leave);
-      addEventListener("keydown", this.#escape);
-    } else {
-      removeEventListener("fullscreenchange", this.#leave);
-      removeEventListener("keydown", this.#escape);
-      if (document.fullscreenElement) document.exitFullscreen();
-    }
     for (const take of this.#fullTakes) take(isFull);
   }
 
@@ -132,9 +124,6 @@ export class Card {
     this.#fullTakes.add(take);
     return () => this.#fullTakes.delete(take);
   }
-
-  #leave = () => document.fullscreenElement || this.setFull(false);
-  #escape = ({ key }) => key === "Escape" && this.setFull(false);
 
   /** Write below the title which type is shown, if any is known. */
   writeType(type) {
@@ -170,7 +159,6 @@ export class Card {
   wake() {}
 
   close() {
-    this.setFull(false);
     this.#observer.disconnect();
     this.element.remove();
   }

@@ -38,7 +38,7 @@ export class SceneCard extends Card {
     try {
       const { SceneView } = await import("../../scene/scene.js");
       if (this.#isClosed) return;
-      this.scene = new SceneView(this.gateway, this.fields, this.actions.changed);
+      this.scene = new SceneView(this.gateway, this.fields, this.actions.changed, this);
       this.body.replaceChildren(this.scene.element);
       this.scene.tick();
     } catch (error) {

@@ -270,7 +270,6 @@ export class TopicCard extends Card {
   }
 
   #start() {
-    this.setFull(false); // the next view has another button for that
     this.#unsubscribe();
     this.#unsubscribe = () => {};
     this.#view?.close?.();
