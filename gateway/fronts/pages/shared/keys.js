@@ -56,7 +56,7 @@ export function useCharacters(isOn) {
   else localStorage.setItem(KEY, "off");
 }
 
-/** Return whether a key is not for the page, but for what has the focus: each for a text, a list, a menu or a dialog, the arrows for a slider. */
+/** Return whether the page ignores a key. It is for what has the focus: each for a text, a list, a menu or a dialog, the arrows for a slider. */
 export function isTaken({ target, code, key = "" }) {
   if (key.length === 1 && code !== "Space" && !areCharactersOn()) return true; // the space bar is STOP
   if (!(target instanceof Element)) return false;
