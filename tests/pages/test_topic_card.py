@@ -19,7 +19,7 @@ LABEL = "() => document.querySelector('.u-series:last-child .u-label')?.textCont
 
 async def plotted(page) -> None:
     """Draw until the plot is there: it waits for its width."""
-    await until(page, "() => { drawn(); return document.querySelector('.uplot'); }")
+    await until(page, "() => { alone.draw(now); return document.querySelector('.uplot'); }")
 
 
 async def test_integers_of_64_bits_are_shown_copied_and_named_in_a_plot_as_they_are(
