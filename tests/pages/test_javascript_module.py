@@ -115,3 +115,33 @@ async def test_statuses_that_nobody_takes_are_events_and_a_token_stays_in_memory
         f"{served.url}/?status=warning",
     )
     assert said == {"code": "bad_name", "kept": []}
+
+
+async def test_a_listener_that_throws_starves_no_other(served, open_page):
+    """Neither of messages nor of what is said of the topic. The page gets each error."""
+    async with open_page(f"{page_address(served)}style.css") as page, client(served.url) as speaker:
+        await speaker.send(op="advertise", topic="/talk", type="std_msgs/msg/Bool", latch=True)
+        await speaker.send(op="publish", topic="/talk", msg={"data": True})
+        await page.evaluate(
+            """async (address) => {
+                const { Gateway } = await import("/shared/gateway.js");
+                window.gateway = new Gateway({ address, token: "" });
+                Object.assign(window, { heard: new Set(), thrown: new Set() });
+                addEventListener("error", (event) => {
+                    event.preventDefault();
+                    thrown.add(event.message);
+                });
+                const fail = (what) => { throw new Error(what); };
+                for (const take of [fail, (what) => heard.add(what)]) {
+                    gateway.subscribe("/talk", {}, () => take("true"), ({ code }) => take(code));
+                }
+                gateway.connect();
+            }""",
+            f"{served.url}/?status=warning",
+        )
+        await page.wait_for_function("() => heard.has('true') && gateway.arrivals.has('/talk')")
+        await speaker.send(op="unadvertise", topic="/talk")
+        await page.wait_for_function("() => heard.has('publisher_gone')")
+        thrown = await page.evaluate("() => [...thrown]")
+        assert {"Uncaught Error: true", "Uncaught Error: publisher_gone"} <= set(thrown)
+        await page.evaluate("() => gateway.close()")

@@ -358,7 +358,7 @@ export class Gateway extends EventTarget {
       if (!heard.length) return; // it was on its way when its subscription ended
       const dropped = this.#dropped(frame);
       this.counts.dropped += dropped;
-      for (const each of heard) each.onMessage(frame.msg, size, data, dropped);
+      for (const each of heard) tell(each.onMessage, frame.msg, size, data, dropped);
       this.#arrived(frame.topic).add(frame.size ?? size, dropped, frame.seq);
     } else if (frame.op === "graph") {
       this.graph.update(frame);
@@ -405,7 +405,7 @@ export class Gateway extends EventTarget {
     }
     if (subscription && frame.level !== "error" && OF_TOPIC.includes(frame.code)) {
       // the gateway tells a connection once, by the newest id
-      for (const each of this.#subscriptions.values()) if (each.topic === subscription.topic) each.onStatus(frame);
+      for (const each of this.#subscriptions.values()) if (each.topic === subscription.topic) tell(each.onStatus, frame);
     } else if (subscription) subscription.onStatus(frame);
     else if (isLookup(frame)) return; // the frame may come yet. Until then nothing is shown
     else if (frame.request === "unsubscribe" && frame.code === "not_found") return; // it was refused
@@ -454,3 +454,12 @@ export class Gateway extends EventTarget {
 
 /** Return whether a status is about a repeated lookup: that its frame is not known yet, or that it does not exist. */
 const isLookup = ({ request }) => request === "lookup_transform" || request === "cancel_transform";
+
+/** Tell one of several listeners. If it throws, the others still hear of it, and the page gets the error as one that nobody caught. */
+function tell(listener, ...said) {
+  try {
+    listener(...said);
+  } catch (error) {
+    reportError(error);
+  }
+}
