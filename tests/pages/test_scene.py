@@ -135,6 +135,33 @@ async def test_each_type_is_shown_in_its_frame_and_nothing_of_it_is_left(served,
     assert found == {"place": [1, 2, 0], "problem": "", "left": 0, "textures": 0, "heard": []}
 
 
+async def test_a_part_of_a_map_is_painted_when_it_changes(served, open_page):
+    async with open_page(page_address(served) + "#cards=none") as page:
+        found = await stage(page, f"""
+            knows("/map", "nav_msgs/msg/OccupancyGrid");
+            knows("/map_updates", "map_msgs/msg/OccupancyGridUpdate");
+            const scene = begin("on,/map,,,");
+            say("/map", {GRID});
+            const [display] = scene.layers.displays;
+            const pictures = [];
+            display.object.traverse(({{ material }}) => pictures.push(material));
+            const cell = () => {{
+                const image = pictures.find(Boolean).map?.image;
+                if (!image) return "";
+                const pen = new OffscreenCanvas(2, 2).getContext("2d");
+                pen.drawImage(image, 0, 0);
+                return String(pen.getImageData(0, 1, 1, 1).data);
+            }};
+            while (!cell()) await frame();
+            const before = cell();
+            say("/map_updates", {{ header, x: 0, y: 0, width: 1, height: 1, data: [100] }});
+            while (cell() === before) await frame();
+            scene.close();
+            return {{ problem: display.problem, heard: [...heard.keys()] }};
+        """)  # fmt: skip
+    assert found == {"problem": "", "heard": []}
+
+
 async def test_a_cloud_is_asked_for_thinned_and_its_points_get_their_places(served, open_page):
     async with open_page(page_address(served) + "#cards=none") as page:
         found = await stage(page, """
@@ -367,7 +394,7 @@ async def test_a_scene_shows_again_all_that_the_address_keeps_of_it(served, open
     assert found["nothing"] == []
 
 
-UNENDED = "STOP does not end it: end it in the program that drives."
+UNENDED = "Neither this page nor STOP can end that goal: end it in the program that drives."
 
 
 async def test_go_here_uses_navigate_to_pose_and_tells_of_its_progress(served, open_page):

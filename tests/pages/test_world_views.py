@@ -131,6 +131,30 @@ async def test_the_robot_goes_where_a_pointer_is_dragged_on_a_map(demo, open_pag
         await speaker.send(op="call_service", id="reset", service="/reset")
 
 
+async def test_a_goal_that_cannot_be_canceled_says_so_before_it_is_sent(served, open_page):
+    """It is only published: no node serves NavigateToPose here."""
+    async with (
+        client(served.url) as speaker,
+        open_page(page_address(served) + "#card=map+0+/flat") as page,
+    ):
+        await speaker.send(op="subscribe", topic="/goal_pose", type="geometry_msgs/PoseStamped")
+        await speaker.send(op="advertise", topic="/flat", type="nav_msgs/OccupancyGrid", latch=True)
+        map_message = GRID | {"header": {"frame_id": "map"}}
+        await speaker.send(op="publish", topic="/flat", msg=map_message)
+        await until_painted(page, f"{card('/flat')} canvas")
+        await page.get_by_role("button", name="Go here").focus()
+        await page.keyboard.press("Enter")
+        said = "document.querySelector('.goal-line output').textContent"
+        warning = "/\\/goal_pose.* Neither this page nor STOP can end that goal: end it in/"
+        await until(page, f"() => /^Press/.test({said}) && {warning}.test({said})")
+        for key in ("Enter", "Enter"):
+            await page.keyboard.press(key)
+        goal = await speaker.message("/goal_pose")
+        assert goal["header"]["frame_id"] == "map"
+        await until(page, f"() => /^Goal sent/.test({said}) && {warning}.test({said})")
+        assert not await page.get_by_role("button", name="Cancel", exact=True).is_visible()
+
+
 async def test_a_map_whose_numbers_contradict_each_other_is_told_of(demo, open_page):
     async with (
         client(demo.url) as speaker,
@@ -162,6 +186,56 @@ async def test_scan_and_robot_turn_grey_on_the_map_when_the_scan_stays_away(demo
                 await until(page, f"about => ({COUNT})(about) === 0", about)
         for about in seen:
             await until(page, f"about => ({COUNT})(about) > 20", about)
+
+
+async def test_a_part_of_a_map_is_painted_when_it_changes(served, open_page):
+    """By the topic of the map with _updates behind it, which comes later."""
+    update = {"x": 1, "y": 0, "width": 2, "height": 2, "data": [100] * 4}
+    async with (
+        client(served.url) as speaker,
+        open_page(page_address(served) + "#card=map+0+/part") as page,
+    ):
+        await speaker.send(op="advertise", topic="/part", type="nav_msgs/OccupancyGrid", latch=True)
+        await speaker.send(op="publish", topic="/part", msg=GRID)
+        walls = [f"{card('/part')} canvas", "--map-occupied"]
+        await until(page, f"about => ({COUNT})(about) > 20", walls)
+        before = await page.evaluate(COUNT, walls)
+        topic = {"topic": "/part_updates", "type": "map_msgs/msg/OccupancyGridUpdate"}
+        await speaker.send(op="advertise", **topic, latch=True)
+        await speaker.send(op="publish", **topic, msg=update)
+        # six of eight cells instead of two. Lines of the grid lie on some
+        more = f"([least, about]) => ({COUNT})(about) > least"
+        await until(page, more, [2.5 * before, walls])
+        problem = "() => document.querySelector('.problem')?.textContent"
+        await speaker.send(op="publish", **topic, msg=update | {"x": 3})
+        await until(page, f"{problem}?.includes('2 x 2 cells at 3, 0 with 4 values does not fit')")
+        await speaker.send(op="publish", **topic, msg=update | {"data": [0, 0, 0, 0]})
+        await until(page, f"([least, about]) => ({COUNT})(about) < least", [1.5 * before, walls])
+        await until(page, f"{problem} === ''")
+
+
+async def test_a_map_that_comes_late_keeps_the_updates_that_are_newer(evaluate):
+    """The gateway holds a map back for up to a second, and no update."""
+    shown = await evaluate("""async () => {
+        const { LiveMap } = await import("/views/live_map.js");
+        const shown = [];
+        const show = (message, { values }) => shown.push([...values]);
+        const tell = (words) => shown.push(words);
+        const map = new LiveMap({ tell, untell() {} }, "it", { check() {}, show });
+        const header = (sec, nanosec) => ({ stamp: { sec, nanosec } });
+        const part = (x, value, sec, nanosec) => ({
+            header: header(sec, nanosec), x, y: 0, width: 1, height: 1, data: [value],
+        });
+        await map.update(part(0, 1, 4, 9));
+        await map.update(part(1, 2, 5, 9));
+        await map.update(part(2, 3, 6, 0));
+        await map.take({ header: header(5, 8), info: { width: 4, height: 1 }, data: [0, 0, 0, 0] });
+        await map.update(part(3, 4, 6, 1));
+        await map.repaint();
+        map.close();
+        return shown;
+    }""")
+    assert shown == [[0, 2, 3, 0], [0, 2, 3, 4], [0, 2, 3, 4]]
 
 
 # paints a map of 3000 x 3000 cells with a thin wall. Returns something of some pixels

@@ -11,6 +11,8 @@ const POSE = "geometry_msgs/msg/PoseStamped";
 const POSE_WITH_COVARIANCE = "geometry_msgs/msg/PoseWithCovarianceStamped";
 const NOT_CONNECTED = "Not connected: try again once the page is connected.";
 const NO_FRAME = "Not sent, because the place has no frame yet: wait for the map, and try again.";
+// a pose that is published cannot be taken back. Another one, such as where the robot seems to be, would move it
+const UNENDING = "Neither this page nor STOP can end that goal: end it in the program that drives.";
 const ENDS = { 4: "The robot has arrived.", 5: "The goal was canceled.", 6: "The robot gave up." }; // of action_msgs/msg/GoalStatus
 // as RViz says of a place: 0.5 m, and 15 degrees
 const COVARIANCE = Array.from({ length: 36 }, (_, at) => ({ 0: 0.25, 7: 0.25, 35: 0.07 })[at] ?? 0);
@@ -50,7 +52,8 @@ export class Navigation {
 
   /** Return the words of a tool, with the name that gets what it gives, or else the last event. */
   wordsOf({ tool, hints }) {
-    if (tool === "go") return `${hints.go} The goal goes to ${this.#findAction() || this.#find(GOAL)}.`;
+    const action = tool === "go" && this.#findAction();
+    if (tool === "go") return `${hints.go} The goal goes to ${action ? `${action}.` : `${this.#find(GOAL)}. ${UNENDING}`}`;
     if (tool === "place") return `${hints.place} The place goes to ${this.#find(PLACE)}.`;
     return hints[tool] ?? this.words;
   }
@@ -72,7 +75,7 @@ export class Navigation {
     if (!action) {
       if (!this.#publish(this.#find(GOAL), POSE, pose)) return;
       this.target = { ...place, frame };
-      this.#say(`Goal sent to ${this.#find(GOAL)}: ${inWords(place)}. STOP does not end it: end it in the program that drives.`);
+      this.#say(`Goal sent to ${this.#find(GOAL)}: ${inWords(place)}. ${UNENDING}`);
       return;
     }
     this.#goal = sendGoal(this.#gateway, { action, action_type: ACTION, args: { pose } }, {}, (message) => this.#heard(message, place));
