@@ -105,6 +105,23 @@ async def test_the_map_lies_where_the_laser_meets_its_walls(lab):
         assert await page.evaluate(hidden)
 
 
+async def test_a_part_of_the_map_that_changes_stands_up_in_the_room(lab, speaker):
+    enter, shown = lab
+    async with enter() as page:
+        await shown(page)
+        topic = {"topic": "/map_updates", "type": "map_msgs/msg/OccupancyGridUpdate"}
+        await speaker.send(op="advertise", **topic, latch=True)
+        before = await page.evaluate("() => lab.map.blocks")
+        # of a chess board no two blocks touch
+        board = [100 * ((row + column) % 2) for row in range(20) for column in range(20)]
+        update = {"x": 0, "y": 0, "width": 20, "height": 20, "data": board}
+        await speaker.send(op="publish", **topic, msg=update)
+        more = "before => lab.map.blocks > before + 100"
+        await page.wait_for_function(more, arg=before)
+        await page.evaluate("() => lab.map.paint()")
+        await page.wait_for_function(more, arg=before)
+
+
 async def test_a_line_leads_from_each_hit_of_the_laser_down_to_the_floor(lab):
     enter, shown = lab
     async with enter() as page:

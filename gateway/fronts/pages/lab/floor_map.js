@@ -2,8 +2,7 @@
 // The robot's map on the floor of the room, as far as ROS says where it is to the odometry.
 
 import { Group, Mesh, MeshBasicMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace, Texture } from "../vendor/three.js";
-import { Newest } from "../views/newest.js";
-import { Painter } from "../views/painter.js";
+import { LiveMap } from "../views/live_map.js";
 import { insist, yawOf } from "../views/plan.js";
 import { asRos } from "./floor.js";
 import { Raised, meets } from "./raised.js";
@@ -21,9 +20,7 @@ export class FloorMap {
   #grid = new Group(); // its lower left corner
   #sheet = new Mesh(new PlaneGeometry(1, 1), new MeshBasicMaterial());
   #raised;
-  #painter = new Painter();
-  #newest;
-  #newestMap = null; // which may be painted yet
+  #live;
   #message = null; // the one that is shown
   #cells = 1; // of the map that a pixel is wide
   /** @type {Int8Array} */
@@ -35,7 +32,7 @@ export class FloorMap {
    */
   constructor(card, material = new MeshBasicMaterial()) {
     this.#raised = new Raised(material);
-    this.#newest = new Newest(card, () => "this map", (message) => this.#paint(message));
+    this.#live = new LiveMap(card, "this map", { check, show: (message, painted) => this.#lay(message, painted) });
     this.world.position.y = -0.01; // between the floor and the lines on it
     this.world.visible = false;
     this.#grid.add(this.#sheet, this.#raised.mesh);
@@ -45,8 +42,12 @@ export class FloorMap {
 
   /** Take a map, with its cells or as a picture. It is shown once it is painted. */
   take(message) {
-    this.#newestMap = message;
-    return this.#newest.take(message);
+    return this.#live.take(message);
+  }
+
+  /** Also take the updates of the topic of the map. */
+  follow(gateway, topic) {
+    this.#live.follow(gateway, topic);
   }
 
   /** Take where the map is to the odometry: a `translation` and a `rotation`, or null when nobody knows. */
@@ -57,7 +58,7 @@ export class FloorMap {
 
   /** Draw it again in the colours of the page. */
   paint() {
-    if (this.#newestMap) this.take(this.#newestMap);
+    this.#live.repaint();
   }
 
   /** Return a pose of the odometry's frame as one of the map's. Only while it is shown. */
@@ -104,18 +105,14 @@ export class FloorMap {
     return value < 0 ? "The map does not know that place: point at a free place." : "";
   }
 
-  async #paint(message) {
-    const { resolution, width, height, origin: { position, orientation } } = message.info;
-    const yaw = yawOf(orientation);
-    if (!(resolution > 0)) throw new RangeError(`its cells are ${resolution} m wide`);
-    insist(position.x, position.y, yaw, width * resolution, height * resolution);
-    const { bitmap, cells, values } = await this.#painter.paint(message);
+  #lay(message, { bitmap, cells, values }) {
+    const { resolution, origin: { position, orientation } } = message.info;
     [this.#message, this.#cells, this.#values] = [message, cells, values];
     this.#raised.build(values, bitmap.width, cells * resolution, OCCUPIED);
     this.#paper(bitmap);
     const [wide, high] = [bitmap.width, bitmap.height].map((pixels) => pixels * cells * resolution);
     this.#grid.position.set(position.x, position.y, 0);
-    this.#grid.rotation.z = yaw;
+    this.#grid.rotation.z = yawOf(orientation);
     this.#sheet.scale.set(wide, high, 1);
     this.#sheet.position.set(wide / 2, high / 2, 0);
     this.#show();
@@ -171,3 +168,8 @@ const seen = ({ x, y, yaw }, place) => {
   const [right, up] = [place.x - x, place.y - y];
   return { x: Math.cos(yaw) * right + Math.sin(yaw) * up, y: Math.cos(yaw) * up - Math.sin(yaw) * right };
 };
+
+function check({ info: { resolution, width, height, origin: { position, orientation } } }) {
+  if (!(resolution > 0)) throw new RangeError(`its cells are ${resolution} m wide`);
+  insist(position.x, position.y, yawOf(orientation), width * resolution, height * resolution);
+}

@@ -67,6 +67,7 @@ export class Sources {
     });
     this.#describe();
     this.#open("cloud", (topic) => cloud.open(topic));
+    if (!this.#known.has("map") && published(graph, "map")) map.follow(this.#gateway, published(graph, "map"));
     this.#show("map", published(graph, "map"), MAP_OPTIONS, (message) => {
       map.take(message);
       this.#map.of(message.header.frame_id);

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 import { DoubleSide, Group, Mesh, MeshBasicMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace, Texture } from "../vendor/three.js";
-import { Newest } from "../views/newest.js";
-import { MAP_OPTIONS, Painter } from "../views/painter.js";
+import { LiveMap } from "../views/live_map.js";
+import { palette } from "../views/occupancy.js";
+import { MAP_OPTIONS } from "../views/painter.js";
 import { insist } from "../views/plan.js";
 import { Display, put } from "./display.js";
 
 /** A `nav_msgs/msg/OccupancyGrid` on the floor. A costmap is a veil in one colour. */
 export class GridDisplay extends Display {
   options = MAP_OPTIONS;
-  #painter = new Painter();
-  #newest = new Newest({ tell: (words) => (this.problem = words), untell: () => (this.problem = "") }, () => "This map", (message) => this.#paint(message));
+  #live = new LiveMap({ tell: (words) => (this.problem = words), untell: () => (this.problem = "") }, "This map", {
+    check: ({ info }) => check(info),
+    colours: () => (this.look.mode === "costmap" ? veil(this.look.colour) : palette()),
+    show: ({ info }, painted) => this.#lay(info, painted),
+  });
   #grid = new Group();
   #sheet = new Mesh(new PlaneGeometry(1, 1), new MeshBasicMaterial({ side: DoubleSide, transparent: true, depthWrite: false }));
-  #message = null;
 
   constructor(context, topic, look) {
     super(context, topic, look);
@@ -22,25 +25,25 @@ export class GridDisplay extends Display {
     this.object.add(this.#grid);
   }
 
+  open() {
+    super.open();
+    this.#live.follow(this.context.gateway, this.topic);
+  }
+
   show(message) {
-    this.#message = message;
-    this.#newest.take(message);
+    this.#live.take(message);
   }
 
   restyle() {
-    if (this.#message) this.#newest.take(this.#message);
+    this.#live.repaint();
   }
 
   close() {
-    this.#painter.close();
+    this.#live.close();
     super.close();
   }
 
-  async #paint(message) {
-    const { resolution, width, height, origin } = message.info;
-    if (!(resolution > 0)) throw new RangeError(`its cells are ${resolution} m wide`);
-    insist(origin.position.x, origin.position.y, width * resolution, height * resolution);
-    const { bitmap, cells } = await this.#painter.paint(message, this.look.mode === "costmap" ? veil(this.look.colour) : undefined);
+  #lay({ resolution, origin }, { bitmap, cells }) {
     const { material } = this.#sheet;
     material.map?.dispose();
     material.map?.image.close();
@@ -59,6 +62,11 @@ export class GridDisplay extends Display {
     this.#sheet.visible = true;
     this.context.changed();
   }
+}
+
+function check({ resolution, width, height, origin: { position } }) {
+  if (!(resolution > 0)) throw new RangeError(`its cells are ${resolution} m wide`);
+  insist(position.x, position.y, width * resolution, height * resolution);
 }
 
 /** Return a colour for each octet of a cell: nothing where it is free or unknown. */

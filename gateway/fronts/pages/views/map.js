@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { LiveMap } from "./live_map.js";
 import { MapTools } from "./map_tools.js";
-import { Newest } from "./newest.js";
-import { MAP_OPTIONS, Painter } from "./painter.js";
+import { MAP_OPTIONS } from "./painter.js";
 import { insist, Plan, yawOf } from "./plan.js";
 import { Whereabouts } from "./whereabouts.js";
 
@@ -14,9 +14,7 @@ export class MapView {
   options = MAP_OPTIONS;
   #card;
   #plan;
-  #painter = new Painter();
-  #newest;
-  #message = null; // the newest
+  #live;
   #map = null; // {bitmap, origin, resolution, middle, reach}
   #frame = "";
   #whereabouts = null;
@@ -30,7 +28,9 @@ export class MapView {
   constructor(card) {
     this.#card = card;
     this.#plan = new Plan(`map of ${card.topic}, seen from above`);
-    this.#newest = new Newest(card, () => "this map", (message) => this.#paint(message));
+    const show = (message, painted) => this.#lay(message, painted);
+    this.#live = new LiveMap(card, "this map", { check: ({ info }) => shapeOf(info), show });
+    this.#live.follow(card.gateway, card.topic);
     const drawn = element("div", { className: "overlaid" }, this.#plan.element, this.#missing);
     this.element = drawn;
     if (!card.actions) return;
@@ -45,13 +45,12 @@ export class MapView {
   }
 
   show(message) {
-    this.#message = message;
-    return this.#newest.take(message);
+    this.#live.take(message);
   }
 
   /** Paint it in other colours, also while it stands still. */
   async recolour() {
-    await this.show(this.#message);
+    await this.#live.repaint();
     this.redraw();
     this.draw();
   }
@@ -85,14 +84,12 @@ export class MapView {
   close() {
     this.#tools?.close();
     this.#whereabouts?.close();
-    this.#painter.close();
+    this.#live.close();
   }
 
-  async #paint(message) {
-    const shape = shapeOf(message.info);
-    const { bitmap, cells } = await this.#painter.paint(message);
+  #lay(message, { bitmap, cells }) {
     this.#map?.bitmap.close();
-    this.#map = { bitmap, ...placed(shape, cells) };
+    this.#map = { bitmap, ...placed(shapeOf(message.info), cells) };
     this.#isDirty = true;
     const frame = message.header.frame_id;
     if (this.#whereabouts && frame === this.#frame) return;

@@ -8,58 +8,74 @@ const STRIPE = 1024 * 1024; // cells that are read at once, 4 MB of a picture
 // Of each octet of a cell how much it matters: 1 to 101 from free to occupied, 0 for others, which are unknown.
 const RANKS = Uint8Array.from({ length: 256 }, (_, value) => (value <= 100 ? value + 1 : 0));
 
-self.onmessage = async ({ data: map }) => {
+let kept = null; // the map, with an octet for each cell: parts of it may change
+
+self.onmessage = async ({ data: { map, patches, colours } }) => {
   try {
-    const painted = await paint(map);
+    if (map) kept = null;
+    if (map) kept = { width: map.width, height: map.height, octets: await octetsOf(map) };
+    if (!kept) throw new RangeError("there is no map yet");
+    const misfits = patches.filter((each) => !patch(kept, each)).map(inWords);
+    if (misfits.length) throw new RangeError(`${misfits[0]} does not fit into ${kept.width} x ${kept.height} cells`);
+    const painted = paint(kept, colours);
     self.postMessage(painted, { transfer: [painted.bitmap, painted.values.buffer] });
   } catch (error) {
     self.postMessage({ problem: error.message });
   }
 };
 
-async function paint({ width, height, data, format, colours }) {
-  const read = format ? await reader(data, width, height) : plainReader(data, width, height);
+function paint({ width, height, octets }, colours) {
   const cells = scaleOf(width, height, MOST_PIXELS);
   const [columns, rows] = [Math.ceil(width / cells), Math.ceil(height / cells)];
   const ranks = new Uint8Array(columns * rows);
-  const most = Math.max(1, Math.floor(STRIPE / width));
-  for (let first = 0; first < height; first += most) {
-    const count = Math.min(most, height - first);
-    const { values, step } = read(first, count);
-    for (let row = 0; row < count; row += 1) {
-      const to = Math.floor((first + row) / cells) * columns;
-      rank(ranks.subarray(to, to + columns), values, row * width * step, step, cells, width);
-    }
+  for (let row = 0; row < height; row += 1) {
+    const to = Math.floor(row / cells) * columns;
+    rank(ranks.subarray(to, to + columns), octets, row * width, cells, width);
   }
   return { bitmap: picture(ranks, columns, rows, colours), cells, values: Int8Array.from(ranks, (each) => each - 1) };
 }
 
-/** Raise the ranks of a row of pixels to those of a row of cells, which begins at a place in *values*. */
-function rank(pixels, values, at, step, cells, width) {
+/** Raise the ranks of a row of pixels to those of a row of cells, which begins at a place in *octets*. */
+function rank(pixels, octets, at, cells, width) {
   for (let column = 0, cell = 0; column < pixels.length; column += 1) {
     let highest = pixels[column];
     for (const end = Math.min(cell + cells, width); cell < end; cell += 1) {
-      highest = Math.max(highest, RANKS[values[at] & 255]);
-      at += step;
+      highest = Math.max(highest, RANKS[octets[at]]);
+      at += 1;
     }
     pixels[column] = highest;
   }
 }
 
-function plainReader(data, width, height) {
-  insistOnCells(width, height, data.length);
-  return (first, count) => ({ values: data.slice(first * width, (first + count) * width), step: 1 });
+/** Put the cells of an update into a map. Return whether it fits. */
+function patch(map, { x, y, width, height, data }) {
+  if (x < 0 || y < 0 || x + width > map.width || y + height > map.height || data.length !== width * height) return false;
+  for (let row = 0; row < height; row += 1) map.octets.set(data.slice(row * width, (row + 1) * width), (y + row) * map.width + x);
+  return true;
 }
 
-/** Return a function that reads rows of a grey picture, as colours. */
-async function reader(data, width, height) {
+const inWords = ({ x, y, width, height, data }) => `an update of ${width} x ${height} cells at ${x}, ${y} with ${data.length} values`;
+
+async function octetsOf({ width, height, data, format }) {
+  if (format) return octetsOfPicture(data, width, height);
+  insistOnCells(width, height, data.length);
+  return Uint8Array.from(data);
+}
+
+/** Return the octets of a grey picture. Its colours are four times as large, so they are read in stripes. */
+async function octetsOfPicture(data, width, height) {
   const bitmap = await createImageBitmap(new Blob([data]), { colorSpaceConversion: "none" });
   insistOnCells(width, height, bitmap.width * bitmap.height);
-  const pen = new OffscreenCanvas(width, Math.min(height, Math.max(1, Math.floor(STRIPE / width)))).getContext("2d", { willReadFrequently: true });
-  return (first, count) => {
+  const octets = new Uint8Array(width * height);
+  const most = Math.max(1, Math.floor(STRIPE / width));
+  const pen = new OffscreenCanvas(width, Math.min(height, most)).getContext("2d", { willReadFrequently: true });
+  for (let first = 0; first < height; first += most) {
     pen.drawImage(bitmap, 0, -first);
-    return { values: pen.getImageData(0, 0, width, count).data, step: 4 };
-  };
+    const colours = pen.getImageData(0, 0, width, Math.min(most, height - first)).data;
+    for (let at = first * width, from = 0; from < colours.length; from += 4, at += 1) octets[at] = colours[from];
+  }
+  bitmap.close();
+  return octets;
 }
 
 /** Return an image of ranks, its first row at the bottom. */

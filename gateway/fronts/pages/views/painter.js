@@ -10,14 +10,17 @@ export class Painter {
 
   /**
    * Paint a `nav_msgs/msg/OccupancyGrid`, with its cells or as a picture, in a colour for each octet. Call it again only when this one is done.
+   * @param {any} map or null for the one before
+   * @param {any[]} patches `map_msgs/msg/OccupancyGridUpdate`, the oldest first
    * @returns {Promise<{bitmap: ImageBitmap, cells: number, values: Int8Array}>} the first row is at the bottom. How many cells of the map a
    *   pixel is wide. Of each pixel, from the first row of the map on, the most occupied of its cells, 0 to 100, or -1 if none is known
    */
-  paint({ info: { width, height }, data, format }, colours = palette()) {
+  paint(map, patches = [], colours = palette()) {
+    const { info: { width = 0, height = 0 } = {}, data = null, format = "" } = map ?? {};
     return new Promise((resolve, reject) => {
       this.#worker.onmessage = ({ data: { problem, ...painted } }) => (problem ? reject(new Error(problem)) : resolve(painted));
       this.#worker.onerror = ({ message }) => reject(new Error(message || "its worker does not start"));
-      this.#worker.postMessage({ width, height, data, format, colours });
+      this.#worker.postMessage({ map: map && { width, height, data, format }, patches, colours });
     });
   }
 
