@@ -77,6 +77,21 @@ async def test_a_value_may_become_a_group(tree):
         assert await tree.evaluate(TEXT) == f"list: {text}"
 
 
+async def test_an_orientation_and_a_stamp_are_also_said_in_words(tree):
+    stamp = {"sec": 1_700_000_000, "nanosec": 5}
+    turned = {"x": 0, "y": 0, "z": 1, "w": 1}
+    await tree.evaluate("message => view.show(message)", {"stamp": stamp, "q": turned})
+    text = await tree.evaluate(TEXT)
+    day = await tree.evaluate("() => new Date(1.7e12).toLocaleString()")
+    assert text.startswith(f"stamp: {day.replace(chr(0x202F), ' ')} sec: 1700000000 plot")
+    assert "q: roll 0.0°, pitch 0.0°, yaw 90.0° x: 0 plot" in text
+    zero = dict.fromkeys("xyzw", 0)
+    for unsaid in (zero, {"sec": 5, "nanosec": 0}, zero | {"w": "NaN"}, [1, 2]):
+        await tree.evaluate("q => view.show({ q })", unsaid)
+        assert "yaw" not in await tree.evaluate(TEXT)
+        assert not await tree.locator(".row > .quiet").first.inner_text()
+
+
 async def test_arrays_of_a_large_message_are_fetched_on_demand(tree):
     await tree.evaluate("() => view.show(items(5), ' '.repeat(100_000))")
     await tree.evaluate("() => view.show(items(5), new ArrayBuffer(100_001))")

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, token } from "../shared/dom.js";
+import { anglesOf } from "./angles.js";
 import { written } from "./numbers.js";
 import { Pairs } from "./pairs.js";
 
@@ -71,18 +72,6 @@ export class ImuView {
     }
     pen.stroke();
   }
-}
-
-/** Return roll, pitch and yaw of an orientation in radians. */
-function anglesOf({ x, y, z, w }) {
-  const size = Math.hypot(x, y, z, w);
-  if (!(size > 0.1)) return null; // of no rotation: an IMU that has no orientation often leaves it zero
-  const [a, b, c, d] = [x, y, z, w].map((each) => each / size);
-  return {
-    roll: Math.atan2(2 * (d * a + b * c), 1 - 2 * (a * a + b * b)),
-    pitch: Math.asin(Math.max(-1, Math.min(1, 2 * (d * b - c * a)))),
-    yaw: Math.atan2(2 * (d * c + a * b), 1 - 2 * (b * b + c * c)),
-  };
 }
 
 const inAll = ({ x, y, z }, unit) => `${[x, y, z].map(written).join(", ")} ${unit}`;

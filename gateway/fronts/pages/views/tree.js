@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { meaningOf } from "./meaning.js";
 import { isNumber, NON_FINITE } from "./numbers.js";
 
 const MOST_ITEMS = 12; // of a list, until more are asked for
@@ -128,14 +129,17 @@ class Row {
   #group = null;
   #leaf = null;
   #content = element("dd");
+  #meaning = element("dd", { className: "quiet" });
 
   constructor(name, path, plot) {
     this.#path = path;
     this.#plot = plot;
-    this.element = element("div", { className: "row" }, element("dt", {}, element("bdi", {}, name), ": "), this.#content);
+    this.element = element("div", { className: "row" }, element("dt", {}, element("bdi", {}, name), ": "), this.#meaning, this.#content);
   }
 
   show(value) {
+    const meaning = isNested(value) ? meaningOf(value) : "";
+    if (this.#meaning.textContent !== meaning) this.#meaning.textContent = meaning;
     if (isNested(value)) {
       this.#leaf = null;
       this.#group ??= this.#fill(new Group(this.#path, this.#plot));
