@@ -49,6 +49,23 @@ async def test_topics_are_a_touch_away_from_any_page(demo, open_page):
         await page.wait_for_function(IN_VIEW)
 
 
+async def test_the_list_stays_in_view_while_cards_above_it_grow(demo, open_page):
+    """Until the user moves the page."""
+    async with open_page(page_address(demo), **PHONES) as page:
+        await page.wait_for_selector("article canvas")
+        await page.get_by_role("link", name="Topics").tap()
+        await page.wait_for_function(IN_VIEW)
+        last = "[...document.querySelectorAll('article')].at(-1)"
+        grow = "height => { const card = LAST; card.style.minHeight = height; }"
+        await page.evaluate(grow.replace("LAST", last), "150vh")
+        await page.wait_for_function(f"() => {last}.clientHeight > innerHeight")
+        await page.wait_for_function(IN_VIEW)
+        await page.locator("#search").tap()
+        await page.evaluate(grow.replace("LAST", last), "400vh")
+        await page.wait_for_function(f"() => {last}.clientHeight > 3 * innerHeight")
+        await page.wait_for_function(f"() => !({IN_VIEW})()")
+
+
 async def test_a_desk_has_them_at_the_top(demo, open_page):
     async with open_page(page_address(demo), viewport=DESK) as page:
         await page.wait_for_selector("[data-state=open]")

@@ -32,7 +32,11 @@ export function goOn(here) {
   show();
 }
 
+/** Bring the list into view, and keep it there while cards above it grow with their first messages, until the user does something. */
 function show() {
-  find("tab-topics").closest("nav").scrollIntoView();
+  const list = find("tab-topics").closest("nav");
   find("tab-topics").focus({ preventScroll: true });
+  const growth = new ResizeObserver(() => list.scrollIntoView());
+  growth.observe(document.body);
+  for (const act of ["pointerdown", "wheel", "keydown"]) addEventListener(act, () => growth.disconnect(), { once: true });
 }
