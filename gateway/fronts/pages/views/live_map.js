@@ -84,7 +84,7 @@ export class LiveMap {
       if (waits) this.#check(message);
       this.#show(message, await this.#painter.paint(waits ? message : null, patches, this.#colours()));
     } catch (error) {
-      if (waits && message === this.#message) this.#message = null; // what the painter had is not this map
+      if (waits && message === this.#message) this.#message = null; // the painter has another one, or none
       throw error;
     }
   }
