@@ -9,7 +9,7 @@ const LONGEST_NAME = 40; // characters
 
 /** A tab with its cards. @typedef {{name: string, cards: import("./cards/card.js").Card[]}} Tab */
 
-/** The cards of the page, in one or several tabs. The cards of a tab that is not shown ask for nothing, but their goals go on. */
+/** The cards of the page, in one or several tabs. Cards that nobody sees ask for nothing, but their goals go on. */
 export class Desk {
   /** @type {Tab[]} */
   tabs = [{ name: "", cards: [] }];
@@ -47,6 +47,7 @@ export class Desk {
       if (event.key === "Escape" && !event.defaultPrevented && !document.querySelector("dialog[open], :popover-open")) this.maximise(null);
     });
     document.addEventListener("fullscreenchange", () => document.fullscreenElement ?? this.maximise(null));
+    document.addEventListener("visibilitychange", () => this.#settle());
     strip.addEventListener("keydown", (event) => this.#step(event));
   }
 
@@ -61,7 +62,20 @@ export class Desk {
     const card = makeCard(this.#gateway, shown, this.#actions);
     this.tab.cards.push(card);
     this.#place.append(card.element);
+    this.#settle();
     return card;
+  }
+
+  /** Let the cards that nobody sees rest, and the others go on. */
+  #settle() {
+    for (const tab of this.tabs) {
+      for (const card of tab.cards) {
+        const isUnseen = tab !== this.tab || (document.hidden && !card.isCollecting);
+        if (isUnseen === card.isResting) continue;
+        if (isUnseen) card.rest();
+        else card.wake();
+      }
+    }
   }
 
   /** Show the tab that has a card. */
@@ -119,15 +133,10 @@ export class Desk {
   show(tab) {
     if (tab === this.tab) return;
     this.maximise(null);
-    for (const card of this.tab.cards) {
-      card.rest();
-      card.element.hidden = true;
-    }
+    for (const card of this.tab.cards) card.element.hidden = true;
     this.tab = tab;
-    for (const card of tab.cards) {
-      card.element.hidden = false;
-      card.wake();
-    }
+    for (const card of tab.cards) card.element.hidden = false;
+    this.#settle();
     this.#actions.changed();
   }
 
@@ -184,8 +193,6 @@ export class Desk {
       act: () => {
         this.tab.cards.splice(this.tab.cards.indexOf(card), 1);
         tab.cards.push(card);
-        card.rest();
-        card.element.hidden = true;
         this.#place.append(card.element);
         this.show(tab);
       },

@@ -67,6 +67,9 @@ export class Display {
   /** Do what time asks for, a few times a second. */
   tick() {}
 
+  /** Go on after nothing has come for a while. */
+  wake() {}
+
   /** Put it in a frame. */
   within(frame) {
     if (frame === this.#frame) return;

@@ -109,6 +109,12 @@ export class SceneView {
     this.#goalLine.write(this.#words);
   }
 
+  /** Go on after nothing has come for a while. */
+  wake() {
+    for (const each of this.layers.displays) each.wake();
+    this.#dirty();
+  }
+
   close() {
     this.#ends.abort();
     this.#sizes.disconnect();

@@ -55,6 +55,11 @@ export class DiagnosticsView {
     if (performance.now() - this.#lookedMs > 1000) this.#write();
   }
 
+  /** A part was not silent for as long as nobody listened. */
+  wake() {
+    for (const each of this.#statuses.values()) each.heardMs = performance.now();
+  }
+
   #write() {
     this.#lookedMs = performance.now();
     const counts = [0, 0, 0, 0];

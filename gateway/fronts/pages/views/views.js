@@ -32,6 +32,7 @@ import { WorldView } from "./world.js";
  *
  * `hold` is called when the card stands still, and when it goes on. `recolour` is called when the page has other colours: a view without it
  * gets the message that it shows by `show` again.
+ * `wake` is called when its card has received nothing for a while, because nobody saw it.
  * `draw` is called before each frame of the screen, `close` at the end.
  * Its class has a `title` for people, and the `types` that it shows best: all, if it names none. `isForAll`: it also shows others.
  *

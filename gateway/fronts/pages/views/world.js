@@ -25,6 +25,10 @@ export class WorldView {
     this.#scene?.tick();
   }
 
+  wake() {
+    this.#scene?.wake();
+  }
+
   close() {
     this.#isClosed = true;
     this.#scene?.close();

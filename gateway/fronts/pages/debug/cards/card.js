@@ -3,6 +3,7 @@ import { breakable, element } from "../../shared/dom.js";
 import { isTaken } from "../../shared/keys.js";
 import { say } from "../../shared/language.js";
 import { menu } from "../../shared/menu.js";
+import { Demand } from "../demand.js";
 import { movable } from "../moving.js";
 import { resizable, resize } from "../resizing.js";
 
@@ -36,6 +37,7 @@ export class Card {
   /** Whether it fills the page, below the bar with STOP. */
   isFull = false;
   #fullTakes = new Set();
+  #demand;
   #type = element("small", { className: "type" });
   #observer = new IntersectionObserver((entries) => (this.isSeen = entries.at(-1).isIntersecting));
   problem = element("p", { className: "problem", hidden: true, role: "status" });
@@ -47,8 +49,9 @@ export class Card {
    * @param {{label?: string, title?: string, type?: string}} [words] by default those of the name that is shown
    */
   constructor(gateway, shown, actions, { label = shown.topic, title = shown.topic, type = "" } = {}) {
+    this.#demand = new Demand(gateway);
     /** For a view that needs more than its topic. */
-    this.gateway = gateway;
+    this.gateway = this.#demand.gateway;
     this.actions = actions;
     Object.assign(this, shown);
     this.controls = element("div", { className: "controls" });
@@ -152,11 +155,25 @@ export class Card {
   /** Write what changes with time. Called once a second. */
   tick() {}
 
-  /** Ask for nothing, because another tab is shown. */
-  rest() {}
+  /** Whether it asks for nothing, because nobody sees it. */
+  get isResting() {
+    return this.#demand.isResting;
+  }
 
-  /** Go on, because its tab is shown again. */
-  wake() {}
+  /** Whether it goes on while the browser shows another page, because it collects what comes. */
+  get isCollecting() {
+    return false;
+  }
+
+  /** Ask for nothing. */
+  rest() {
+    this.#demand.rest();
+  }
+
+  /** Go on, because it is seen again. */
+  wake() {
+    this.#demand.wake();
+  }
 
   close() {
     this.#observer.disconnect();

@@ -38,6 +38,7 @@ export class DriveCard extends Card {
   }
 
   rest() {
+    super.rest();
     this.#held.letGo();
   }
 

@@ -18,7 +18,6 @@ export class PublishCard extends FormCard {
   #repeat = element("button", { type: "button", aria: { pressed: "false" } }, "Repeat");
   #forgets = [];
   #isCommand = false; // whether the gateway guards what moves a robot by it
-  #hide = () => this.#end("The page was hidden");
 
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { verb: "Publish", title: `Publish ${shown.topic}`, typeOf: () => gateway.graph.typeOf(shown.topic) });
@@ -35,7 +34,6 @@ export class PublishCard extends FormCard {
       gateway.on("silence", () => this.#end("The gateway did not answer")),
       gateway.on("stopping", () => this.#end("STOP was pressed")),
     ];
-    document.addEventListener("visibilitychange", this.#hide);
     this.body.addEventListener("input", () => this.#end("The message was changed")); // half a number is not a number
   }
 
@@ -58,14 +56,14 @@ export class PublishCard extends FormCard {
   }
 
   rest() {
-    this.#end("Another tab was shown");
+    super.rest();
+    this.#end(document.hidden ? "The page was hidden" : "Another tab was shown");
   }
 
   close() {
     this.#stop();
     this.#listener.end();
     for (const forget of this.#forgets) forget();
-    document.removeEventListener("visibilitychange", this.#hide);
     super.close();
   }
 

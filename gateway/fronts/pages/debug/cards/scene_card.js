@@ -28,6 +28,11 @@ export class SceneCard extends Card {
     this.scene?.tick();
   }
 
+  wake() {
+    super.wake();
+    this.scene?.wake();
+  }
+
   close() {
     this.#isClosed = true;
     this.scene?.close();

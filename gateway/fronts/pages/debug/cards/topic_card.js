@@ -24,7 +24,6 @@ export class TopicCard extends Card {
   #visible = null; // the same of what the view shows, which may be older
   #isPaused = false;
   #isDirty = false;
-  #isResting = false; // its tab is not shown
   #shownBeat = -1; // of the `rest` of its view
   #arrivals = new Arrivals();
   #views = element("select", { title: "how it is shown" });
@@ -112,15 +111,9 @@ export class TopicCard extends Card {
     this.#write();
   }
 
-  rest() {
-    this.#isResting = true;
-    this.#unsubscribe();
-    this.#unsubscribe = () => {};
-  }
-
   wake() {
-    this.#isResting = false;
-    if (!misfit(this.view, this.#type)) this.subscribe();
+    super.wake();
+    this.#view.wake?.();
   }
 
   close() {
@@ -128,6 +121,10 @@ export class TopicCard extends Card {
     this.#unsubscribe();
     this.#view.close?.();
     super.close();
+  }
+
+  get isCollecting() {
+    return Boolean(this.#view.keep);
   }
 
   /** The type of its messages, or "" while it is unknown. */
@@ -284,7 +281,6 @@ export class TopicCard extends Card {
 
   /** Subscribe as the view asks for it now. */
   subscribe() {
-    if (this.#isResting) return;
     const { throttle_rate: least = 0, ...options } = this.#view.options;
     const throttle = Math.max(least, this.rate ? Math.round(1000 / this.rate) : 0);
     const endBefore = this.#unsubscribe;
