@@ -49,12 +49,13 @@ MEASURE = """frames => new Promise((resolve) => {
     });
 })"""
 
-# a robot, a map, a scan of 720 rays and a cloud of 50,000 points, all new in each frame but the map
+# a robot, a map, a scan of 720 rays, a cloud of 50,000 points, and 240 markers of all shapes. All
+# but the map are new in each frame
 SCENE = (
     "async ([frames, urdf]) => {"
     + STAGE
     + """
-    const spans = { message: [], painted: [], step: [], render: [] };
+    const spans = { message: [], markers: [], painted: [], step: [], render: [] };
     const take = (name, run) => {
         const began = performance.now();
         run();
@@ -68,6 +69,7 @@ SCENE = (
     Object.defineProperty(Worker.prototype, "onmessage", onmessage);
     for (const [topic, type] of [["/map", "nav_msgs/msg/OccupancyGrid"],
         ["/scan", "sensor_msgs/msg/LaserScan"], ["/points", "sensor_msgs/msg/PointCloud2"],
+        ["/markers", "visualization_msgs/msg/MarkerArray"],
         ["/robot_description", "std_msgs/msg/String"]]) knows(topic, type);
     const scene = begin();
     scene.element.style.height = "360px";
@@ -81,6 +83,13 @@ SCENE = (
     const info = { resolution: 0.05, width: 1000, height: 1000, origin: pose };
     say("/map", { header, info, data: new Int8Array(1_000_000) });
     say("/robot_description", { data: urdf });
+    const corners = Array.from({ length: 12 }, (_, x) => ({ x, y: 0, z: 0 }));
+    const markers = (at) => Array.from({ length: 240 }, (_, id) => ({ header, ns: "a", id,
+        type: [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12][id % 12], action: 0, text: "here",
+        pose: { ...pose, position: { x: id % 20, y: at * 0.001, z: 0 } },
+        scale: { x: 0.1, y: 0.1, z: 0.1 }, color: { r: (at % 10) / 10, g: 0, b: 0, a: 1 },
+        colors: [], lifetime: { sec: 0, nanosec: 0 },
+        points: [1, 2].includes(id % 12) ? [] : corners }));
     const render = scene.renderer.render.bind(scene.renderer);
     let rendered = 0;
     scene.renderer.render = (...of) => {
@@ -99,6 +108,8 @@ SCENE = (
             say("/scan", scan);
             say("/points", cloud);
         });
+        const array = { markers: markers(spans.step.length) };
+        take("markers", () => say("/markers", array));
         const began = performance.now();
         scene.draw();
         spans.step.push(performance.now() - began - rendered);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cards that nobody sees ask for nothing, whatever they subscribe to, and show what is true after."""
+"""Cards that nobody sees ask for nothing, and show what is true once they are seen again."""
 
 import pytest
 

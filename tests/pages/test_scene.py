@@ -261,6 +261,114 @@ async def test_markers_end_by_their_lifetime_by_name_and_are_hidden_by_namespace
     assert found == {"counts": [3, 3, 2, 1], "names": ["a", "b"], "isHidden": True}
 
 
+@pytest.mark.parametrize("type_number", [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12])
+async def test_a_marker_of_the_same_shape_is_moved_and_painted_and_not_made_again(
+    served, open_page, type_number
+):
+    async with open_page(page_address(served) + "#cards=none") as page:
+        found = await stage(page, f"""{MARKER}
+            gateway.ask = async () => ({{ size: given.mesh.length, data: btoa(given.mesh) }});
+            const parts = () => {{
+                const found = [];
+                scene.world.traverse((each) => each.material?.color && found.push(each));
+                return found.filter(({{ parent }}) => {{
+                    for (let at = parent; at; at = at.parent) if (at === root) return true;
+                    return false;
+                }});
+            }};
+            const root = scene.frames.hold("base_link");
+            const its = {{ type: given.type, mesh_resource: "package://x/y.stl" }};
+            tell(marker(1, its));
+            while (!parts().length) await frame();
+            const before = parts();
+            const points = [5, 6, 7].map((x) => ({{ x, y: 1, z: 0 }}));
+            const color = {{ r: 0, g: 0, b: 1, a: 1 }};
+            const position = {{ x: 7, y: 0, z: 0 }};
+            const scale = {{ x: 2, y: 2, z: 2 }};
+            const moved = {{ ...its, points, color, scale, pose: {{ ...pose, position }} }};
+            tell(marker(1, moved));
+            const after = parts();
+            scene.world.updateMatrixWorld(true);
+            const [object] = after;
+            const at = object.geometry.attributes.position;
+            const [x] = object.isInstancedMesh ? object.instanceMatrix.array.slice(12) :
+                [4, 5, 8, 11].includes(given.type) ? at.array : [7];
+            const group = root.children.at(-1);
+            const colours = after.map(({{ material }}) => material.color.getHex());
+            tell(marker(1, {{ ...moved, type: 1 + Number(given.type === 1) }}));
+            const other = parts();
+            const isKept = before.every((each, index) => each === after[index]);
+            const wasMade = other.every((each) => !before.includes(each));
+            tell({{ ...marker(1), action: 2 }});
+            const left = parts().length;
+            scene.close();
+            return {{ isKept, wasMade, left, x: [x, group.position.x], colours }};
+        """, {"type": type_number, "mesh": TRIANGLE.decode()})  # fmt: skip
+    blue = 0x0000FF
+    assert {*found.pop("colours")} == {blue}
+    x = 5 if type_number in {4, 5, 6, 7, 8, 11} else 7
+    assert found == {"isKept": True, "wasMade": True, "left": 0, "x": [x, 7]}
+
+
+async def test_a_strip_of_triangles_may_have_a_colour_for_each(served, open_page):
+    async with open_page(page_address(served) + "#cards=none") as page:
+        found = await stage(page, f"""{MARKER}
+            tell(marker(1, {{ type: 11, colors: [{{ r: 1, g: 0.5, b: 0, a: 1 }}] }}));
+            let colours;
+            scene.world.traverse(({{ geometry }}) => {{
+                const {{ normal, color }} = geometry?.attributes ?? {{}};
+                if (normal && color) colours = color.array;
+            }});
+            const drawn = [...colours];
+            scene.close();
+            return drawn;
+        """)  # fmt: skip
+    assert found == [1, 0.5, 0] * 3
+
+
+async def test_what_is_left_out_of_markers_is_said(served, open_page):
+    async with open_page(page_address(served) + "#cards=none") as page:
+        found = await stage(page, f"""{MARKER}
+            const words = [];
+            const points = Array.from({{ length: 1002 }}, (_, x) => ({{ x, y: 0, z: 0 }}));
+            tell(marker(1, {{ type: 12, points }}));
+            words.push(display.problem);
+            tell(marker(1, {{ type: 99 }}), marker(2)); // the second one can be shown
+            words.push(display.problem, display.count);
+            tell(...Array.from({{ length: 10_003 }}, (_, id) => marker(id)));
+            words.push(display.problem, display.count);
+            tell({{ ...marker(0), action: 3, ns: "" }});
+            words.push(display.problem);
+            scene.close();
+            return words;
+        """)  # fmt: skip
+    assert found == [
+        'Marker 1 of "a" shows 1000 of its 1002 points.',
+        "It cannot be shown: its type is 99.",
+        1,
+        "3 older markers are left out: the scene shows 10000.",
+        10_000,
+        "",
+    ]
+
+
+async def test_markers_from_before_a_rest_end_with_the_first_message_after_it(served, open_page):
+    async with open_page(page_address(served) + "#cards=none") as page:
+        found = await stage(page, f"""{MARKER}
+            tell(marker(0), marker(1));
+            scene.wake();
+            scene.tick();
+            const counts = [display.count]; // what came once is still there
+            tell(marker(0));
+            counts.push(display.count); // the other one was deleted meanwhile
+            tell(marker(1));
+            counts.push(display.count);
+            scene.close();
+            return counts;
+        """)  # fmt: skip
+    assert found == [2, 1, 2]
+
+
 async def test_a_robot_has_its_links_where_its_joints_say(served, open_page):
     async with open_page(page_address(served) + "#cards=none") as page:
         found = await stage(page, """

@@ -46,8 +46,7 @@ export class Display {
   take(message) {
     try {
       if (message.header) this.within(message.header.frame_id);
-      this.show(message);
-      this.problem = "";
+      this.problem = /** @type {string} */ (this.show(message) ?? "");
     } catch (error) {
       this.problem = `It cannot be shown: ${error.message}.`;
     }
@@ -55,9 +54,10 @@ export class Display {
   }
 
   /**
-   * Show a message.
+   * Show a message. Return what is left out of it, in words, if anything is.
    * @abstract
    * @param {any} _message
+   * @returns {string|void}
    */
   show(_message) {}
 

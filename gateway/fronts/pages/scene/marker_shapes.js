@@ -2,7 +2,7 @@
 // The shapes of visualization_msgs/msg/Marker, by their numbers.
 
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, ConeGeometry, CylinderGeometry, DoubleSide, Group, InstancedMesh, Line, LineBasicMaterial,
+  BoxGeometry, BufferAttribute, BufferGeometry, ConeGeometry, CylinderGeometry, DoubleSide, DynamicDrawUsage, Group, InstancedMesh, Line, LineBasicMaterial,
   LineSegments, Matrix4, Mesh, MeshLambertMaterial, Points, PointsMaterial, Quaternion, SphereGeometry, Color, Vector3,
 } from "../vendor/three.js";
 import { label } from "./label.js";
@@ -11,111 +11,196 @@ const [ARROW, CUBE, SPHERE, CYLINDER, LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_L
 export const MESH = 10;
 const [TRIANGLES, ARROW_STRIP] = [11, 12];
 const MOST_POINTS = 200_000; // of one marker: further ones are not drawn
+const MOST_CORNERS = 1000; // of a strip of arrows, likewise
 const ALONG_X = new Vector3(1, 0, 0);
+const WHITE = { r: 1, g: 1, b: 1 };
 
+/**
+ * A shape: a marker whose `key` is the same can have the object that is there. `make` makes one, and `set` gives it all that changes.
+ * @typedef {{key: (marker: any) => unknown, make: (marker: any) => any, set: (object: any, marker: any) => void}} Shape
+ */
+
+const solid = () => new MeshLambertMaterial({ side: DoubleSide });
 const box = () => new BoxGeometry(1, 1, 1);
-const ball = () => new SphereGeometry(0.5, 20, 14);
+const nothing = () => "";
 
-/** Return the object of a marker in its own frame. Throws if there is no such shape. */
-export function shapeOf(marker) {
-  const { type, scale, color, points } = marker;
-  switch (type) {
-    case ARROW: return points.length >= 2 ? between(points[0], points[1], scale, color) : arrow(scale.x, scale.y, scale.z, color);
-    case CUBE: return scaled(new Mesh(box(), solid(color)), scale);
-    case SPHERE: return scaled(new Mesh(ball(), solid(color)), scale);
-    case CYLINDER: return scaled(new Mesh(new CylinderGeometry(0.5, 0.5, 1, 24).rotateX(Math.PI / 2), solid(color)), scale);
-    case LINE_STRIP: return lines(Line, marker);
-    case LINE_LIST: return lines(LineSegments, marker);
-    case CUBE_LIST: return many(box(), marker);
-    case SPHERE_LIST: return many(new SphereGeometry(0.5, 10, 7), marker);
-    case POINTS: return dots(marker);
-    case TEXT: return label(marker.text, scale.z, `#${new Color(color.r, color.g, color.b).getHexString()}`);
-    case TRIANGLES: return triangles(marker);
-    case ARROW_STRIP: return strip(marker);
-    default: throw new RangeError(`its type is ${type}`);
+/** @type {Record<number, Shape>} */
+const SHAPES = {
+  [ARROW]: { key: nothing, make: arrow, set: setArrow },
+  [CUBE]: whole(box),
+  [SPHERE]: whole(() => new SphereGeometry(0.5, 20, 14)),
+  [CYLINDER]: whole(() => new CylinderGeometry(0.5, 0.5, 1, 24).rotateX(Math.PI / 2)),
+  [LINE_STRIP]: drawn((geometry) => new Line(geometry, new LineBasicMaterial())),
+  [LINE_LIST]: drawn((geometry) => new LineSegments(geometry, new LineBasicMaterial())),
+  [CUBE_LIST]: many(box),
+  [SPHERE_LIST]: many(() => new SphereGeometry(0.5, 10, 7)),
+  [POINTS]: drawn((geometry) => new Points(geometry, new PointsMaterial()), ({ material }, { scale }) => (material.size = Math.max(scale.x, scale.y))),
+  [TEXT]: { key: ({ text }) => text, make: ({ text }) => label(text, 1), set: setText },
+  [TRIANGLES]: drawn((geometry) => new Mesh(geometry, solid()), (mesh, { scale }) => {
+    mesh.geometry.computeVertexNormals();
+    mesh.scale.copy(scale);
+  }),
+  [ARROW_STRIP]: { key: ({ points }) => Math.min(points.length, MOST_CORNERS), make: strip, set: setStrip },
+};
+
+/** Return what has to stay the same of a marker for its object to be kept. */
+export const keyOf = (marker) => `${marker.type} ${SHAPES[marker.type]?.key(marker)}`;
+
+/** Return an object for a marker, in its own frame. Throws if there is no such shape. */
+export function make(marker) {
+  if (!SHAPES[marker.type]) throw new RangeError(`its type is ${marker.type}`);
+  return SHAPES[marker.type].make(marker);
+}
+
+/** Give an object the size, the places, and the colours of a marker. */
+export const set = (object, marker) => SHAPES[marker.type].set(object, marker);
+
+/** Give a material a colour. */
+export function tint(material, { r, g, b }, a) {
+  material.color.setRGB(r, g, b);
+  material.opacity = a;
+  if (material.transparent === a < 1) return;
+  material.transparent = a < 1;
+  material.needsUpdate = true;
+}
+
+/** Return what is not drawn of a marker, in words, or "". */
+export function leftOut({ ns, id, type, points }) {
+  const most = type === ARROW_STRIP ? MOST_CORNERS : MOST_POINTS;
+  return points.length > most ? `Marker ${id} of ${JSON.stringify(ns)} shows ${most} of its ${points.length} points.` : "";
+}
+
+/** Return the shape of one body. @returns {Shape} */
+function whole(geometry) {
+  return {
+    key: nothing,
+    make: () => new Mesh(geometry(), solid()),
+    set: (mesh, { scale, color }) => {
+      mesh.scale.copy(scale);
+      tint(mesh.material, color, color.a);
+    },
+  };
+}
+
+/** Return an arrow along x, as long and as thick as its parts are scaled. */
+function arrow() {
+  const material = solid();
+  const [shaft, head] = [new CylinderGeometry(0.5, 0.5, 1, 16), new ConeGeometry(0.5, 1, 16)].map((each) => new Mesh(each.rotateZ(-Math.PI / 2), material));
+  return new Group().add(shaft, head);
+}
+
+function setArrow(made, { points, scale: { x, y, z }, color }) {
+  tint(made.children[0].material, color, color.a);
+  if (points.length >= 2) {
+    between(made, points[0], points[1], { x, y, z });
+    return;
   }
+  made.position.set(0, 0, 0);
+  made.quaternion.identity();
+  stretch(made, 0.77 * x, 0.23 * x, [y / 2, z / 2], [y, z]);
 }
 
-const solid = ({ r, g, b, a }) => new MeshLambertMaterial({ color: new Color(r, g, b), opacity: a, transparent: a < 1, side: DoubleSide });
-
-function scaled(mesh, { x, y, z }) {
-  mesh.scale.set(x, y, z);
-  return mesh;
-}
-
-/** Return an arrow along x: its length, and the width and height of its head. */
-function arrow(length, width, height, color) {
-  const made = new Group();
-  const material = solid(color);
-  const shaft = new Mesh(new CylinderGeometry(0.25, 0.25, 0.77, 16).rotateZ(-Math.PI / 2).translate(0.385, 0, 0), material);
-  const head = new Mesh(new ConeGeometry(0.5, 0.23, 16).rotateZ(-Math.PI / 2).translate(0.885, 0, 0), material);
-  made.add(shaft, head);
-  return scaled(made, { x: length, y: width, z: height });
-}
-
-/** Return an arrow from one place to another. The scale has the diameters of its shaft and its head, and perhaps the head's length. */
-function between(from, to, { x: thin, y: thick, z: headLength }, color) {
+/** Lay an arrow from one place to another. The scale has the diameters of its shaft and its head, and perhaps the head's length. */
+function between(made, from, to, { x: thin, y: thick, z: headLength }) {
   const way = new Vector3(to.x - from.x, to.y - from.y, to.z - from.z);
   const length = way.length();
   const tip = headLength > 0 ? Math.min(headLength, length) : length * 0.23;
-  const made = new Group();
-  const material = solid(color);
-  const shaft = new Mesh(new CylinderGeometry(thin / 2, thin / 2, length - tip, 16).rotateZ(-Math.PI / 2).translate((length - tip) / 2, 0, 0), material);
-  const head = new Mesh(new ConeGeometry(thick / 2, tip, 16).rotateZ(-Math.PI / 2).translate(length - tip / 2, 0, 0), material);
-  made.add(shaft, head);
-  made.position.set(from.x, from.y, from.z);
+  made.position.copy(from);
   if (length > 0) made.quaternion.setFromUnitVectors(ALONG_X, way.divideScalar(length));
-  return made;
+  stretch(made, length - tip, tip, [thin, thin], [thick, thick]);
 }
 
-function strip({ points, scale, color }) {
+function stretch({ children: [shaft, head] }, long, tip, thin, thick) {
+  shaft.scale.set(long, ...thin);
+  shaft.position.x = long / 2;
+  head.scale.set(tip, ...thick);
+  head.position.x = long + tip / 2;
+}
+
+function strip({ points }) {
   const made = new Group();
-  for (let at = 1; at < Math.min(points.length, 1000); at += 1) made.add(between(points[at - 1], points[at], scale, color));
+  const first = arrow();
+  for (let at = 1; at < Math.min(points.length, MOST_CORNERS); at += 1) made.add(at === 1 ? first : first.clone()); // they share all but their places
   return made;
 }
 
-/** Return a geometry of the points of a marker, with their colours if it has any. */
-function geometryOf({ points, colors }) {
-  const count = Math.min(points.length, MOST_POINTS);
-  const places = new Float32Array(3 * count);
-  for (let at = 0; at < count; at += 1) places.set([points[at].x, points[at].y, points[at].z], 3 * at);
-  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(places, 3));
-  if (colors.length < count || !count) return geometry;
-  const rgb = new Float32Array(3 * count);
-  for (let at = 0; at < count; at += 1) rgb.set([colors[at].r, colors[at].g, colors[at].b], 3 * at);
-  return geometry.setAttribute("color", new BufferAttribute(rgb, 3));
+function setStrip(made, { points, scale, color }) {
+  made.children.forEach((each, at) => between(each, points[at], points[at + 1], scale));
+  if (made.children.length) tint(made.children[0].children[0].material, color, color.a);
 }
 
-function look(Material, geometry, { r, g, b, a }, more = {}) {
-  const hasColours = Boolean(geometry.attributes.color);
-  return new Material({ color: hasColours ? new Color(1, 1, 1) : new Color(r, g, b), vertexColors: hasColours, opacity: a, transparent: a < 1, ...more });
+function setText(sprite, { scale: { z }, color }) {
+  sprite.userData.shape ??= sprite.scale.clone();
+  sprite.scale.copy(sprite.userData.shape).multiplyScalar(z);
+  tint(sprite.material, color, 1);
+  sprite.material.transparent = true; // around the letters
 }
 
-function lines(Kind, marker) {
-  const geometry = geometryOf(marker);
-  return new Kind(geometry, look(LineBasicMaterial, geometry, marker.color));
+function countOf({ points }) {
+  return Math.min(points.length, MOST_POINTS);
 }
 
-function dots(marker) {
-  const geometry = geometryOf(marker);
-  return new Points(geometry, look(PointsMaterial, geometry, marker.color, { size: Math.max(marker.scale.x, marker.scale.y) }));
+/** Return how many points each colour is for. 0: all have that of the marker. */
+function pointsPerColour(marker) {
+  const count = countOf(marker);
+  if (!count) return 0;
+  if (marker.colors.length >= count) return 1;
+  return marker.type === TRIANGLES && marker.colors.length * 3 >= count ? 3 : 0;
 }
 
-function triangles(marker) {
-  const geometry = geometryOf(marker);
-  if (marker.colors.length && marker.colors.length * 3 === marker.points.length) geometry.deleteAttribute("color"); // one for each triangle is not drawn
-  geometry.computeVertexNormals();
-  return scaled(new Mesh(geometry, look(MeshLambertMaterial, geometry, marker.color, { side: DoubleSide })), marker.scale);
+function keyOfPoints(marker) {
+  return `${countOf(marker)} ${pointsPerColour(marker)}`;
 }
 
-function many(geometry, { points, colors, color, scale: { x, y, z } }) {
-  const count = Math.min(points.length, MOST_POINTS);
-  const hasColours = colors.length >= count && count > 0;
-  const mesh = new InstancedMesh(geometry, solid(hasColours ? { r: 1, g: 1, b: 1, a: color.a } : color), count);
-  const [matrix, still, size] = [new Matrix4(), new Quaternion(), new Vector3(x, y, z)];
-  for (let at = 0; at < count; at += 1) {
-    mesh.setMatrixAt(at, matrix.compose(new Vector3(points[at].x, points[at].y, points[at].z), still, size));
-    if (hasColours) mesh.setColorAt(at, new Color(colors[at].r, colors[at].g, colors[at].b));
-  }
-  return mesh;
+/** Return a shape of points, each perhaps with a colour. @returns {Shape} */
+function drawn(build, more = (_object, _marker) => {}) {
+  const make = (marker) => {
+    const geometry = new BufferGeometry();
+    const attribute = () => new BufferAttribute(new Float32Array(3 * countOf(marker)), 3).setUsage(DynamicDrawUsage);
+    geometry.setAttribute("position", attribute());
+    const made = build(geometry);
+    if (!pointsPerColour(marker)) return made;
+    geometry.setAttribute("color", attribute());
+    made.material.vertexColors = true;
+    return made;
+  };
+  const set = (object, marker) => {
+    const { position, color } = object.geometry.attributes;
+    const { points, colors } = marker;
+    const each = pointsPerColour(marker);
+    for (let at = 0; at < position.count; at += 1) {
+      position.setXYZ(at, points[at].x, points[at].y, points[at].z);
+      if (!each) continue;
+      const { r, g, b } = colors[Math.floor(at / each)];
+      color.setXYZ(at, r, g, b);
+    }
+    position.needsUpdate = true;
+    if (each) color.needsUpdate = true;
+    object.geometry.boundingSphere = null; // that of the points before
+    tint(object.material, each ? WHITE : marker.color, marker.color.a);
+    more(object, marker);
+  };
+  return { key: keyOfPoints, make, set };
+}
+
+/** Return a shape of equal bodies at points. @returns {Shape} */
+function many(geometry) {
+  const [matrix, still, size, place, colour] = [new Matrix4(), new Quaternion(), new Vector3(), new Vector3(), new Color()];
+  return {
+    key: keyOfPoints,
+    make: (marker) => new InstancedMesh(geometry(), solid(), countOf(marker)),
+    set: (mesh, marker) => {
+      const { points, colors, color, scale } = marker;
+      const hasColours = pointsPerColour(marker) === 1;
+      size.copy(scale);
+      for (let at = 0; at < mesh.count; at += 1) {
+        mesh.setMatrixAt(at, matrix.compose(place.copy(points[at]), still, size));
+        if (hasColours) mesh.setColorAt(at, colour.setRGB(colors[at].r, colors[at].g, colors[at].b));
+      }
+      mesh.instanceMatrix.needsUpdate = true;
+      if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
+      mesh.boundingSphere = null; // that of the places before
+      tint(mesh.material, hasColours ? WHITE : color, color.a);
+    },
+  };
 }

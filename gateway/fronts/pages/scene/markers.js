@@ -3,16 +3,26 @@ import { Group } from "../vendor/three.js";
 import { meshOf } from "./assets.js";
 import { Display, dispose, put } from "./display.js";
 import { nameOf } from "./frames.js";
-import { shapeOf, MESH } from "./marker_shapes.js";
+import { keyOf, leftOut, make, MESH, set, tint } from "./marker_shapes.js";
 
 const MOST_MARKERS = 10_000; // the oldest is dropped for a newer one
 const [ADD, DELETE, DELETE_ALL] = [0, 2, 3];
 
+/**
+ * A marker that is shown. While its shape stays the same its object is kept, because to make one costs far more than to move one.
+ * @typedef {{object: any, shape: string, frame: string|null, namespace: string, untilMs: number, problem: string, colour: any}} Shown
+ */
+
 /** Markers of `visualization_msgs`: each in its frame, by namespace and id, until its lifetime is over. */
 export class MarkersDisplay extends Display {
   options = { compression: "cbor", throttle_rate: 0 }; // each message counts
-  #markers = new Map(); // namespace and id -> {object, frame, namespace, untilMs}
+  /** @type {Map<string, Shown>} by namespace and id, the one that has not come for the longest time first */
+  #markers = new Map();
   #hidden = new Set(); // namespaces
+  #earlier = new Set(); // keys of markers from before a rest
+  #dropped = 0; // because there were too many
+  /** @type {Set<Shown>} */
+  #faulty = new Set();
 
   /** The namespaces of the markers that there are. */
   get namespaces() {
@@ -37,7 +47,17 @@ export class MarkersDisplay extends Display {
   within() {} // each marker has its frame
 
   show(message) {
-    for (const marker of message.markers ?? [message]) this.#do(marker);
+    let problem = "";
+    for (const marker of message.markers ?? [message]) {
+      try {
+        this.#do(marker);
+      } catch (error) {
+        problem ||= `It cannot be shown: ${error.message}.`; // the others can
+      }
+    }
+    for (const key of this.#earlier) this.#remove(key);
+    this.#earlier.clear();
+    return problem || this.#words;
   }
 
   tick() {
@@ -45,9 +65,20 @@ export class MarkersDisplay extends Display {
     for (const [key, { untilMs }] of this.#markers) if (untilMs <= now) this.#remove(key);
   }
 
+  /** Nobody knows which markers were deleted while nothing came: the next message says it, because what it leaves out goes. */
+  wake() {
+    this.#earlier = new Set(this.#markers.keys());
+  }
+
   close() {
     for (const key of [...this.#markers.keys()]) this.#remove(key);
     super.close();
+  }
+
+  get #words() {
+    if (this.#markers.size < MOST_MARKERS) this.#dropped = 0;
+    const [first] = this.#faulty;
+    return first?.problem || (this.#dropped ? `${this.#dropped} older markers are left out: the scene shows ${MOST_MARKERS}.` : "");
   }
 
   #do(marker) {
@@ -60,39 +91,85 @@ export class MarkersDisplay extends Display {
   }
 
   #add(key, marker) {
-    this.#remove(key);
-    while (this.#markers.size >= MOST_MARKERS) this.#remove(this.#markers.keys().next().value);
-    const object = new Group();
-    put(object, marker.pose);
-    if (marker.type === MESH) this.#mesh(object, marker);
-    else object.add(shapeOf(marker));
-    object.visible = !this.#hidden.has(marker.ns);
-    const frame = nameOf(marker.header.frame_id);
-    this.context.frames.hold(frame).add(object);
+    this.#earlier.delete(key);
+    const shape = marker.type === MESH ? `mesh ${marker.mesh_use_embedded_materials} ${marker.mesh_resource}` : keyOf(marker);
+    if (this.#markers.get(key)?.shape !== shape) this.#remove(key);
+    const shown = this.#markers.get(key) ?? this.#make(marker, shape);
+    this.#markers.delete(key);
+    this.#markers.set(key, shown); // the newest is the last
+    this.#move(shown, marker);
     const { sec, nanosec } = marker.lifetime;
     const lifeMs = sec * 1000 + nanosec / 1e6;
-    this.#markers.set(key, { object, frame, namespace: marker.ns, untilMs: lifeMs ? performance.now() + lifeMs : Infinity });
+    shown.untilMs = lifeMs ? performance.now() + lifeMs : Infinity;
   }
 
-  async #mesh(object, { mesh_resource: uri, mesh_use_embedded_materials: keepsColours, color: { r, g, b, a }, scale }) {
-    object.scale.set(scale.x, scale.y, scale.z);
+  /** @returns {Shown} */
+  #make(marker, shape) {
+    const object = new Group();
+    const isMesh = marker.type === MESH;
+    if (!isMesh) object.add(make(marker));
+    object.visible = !this.#hidden.has(marker.ns);
+    while (this.#markers.size >= MOST_MARKERS) {
+      this.#dropped += 1;
+      this.#remove(this.#markers.keys().next().value);
+    }
+    const shown = { object, shape, frame: null, namespace: marker.ns, untilMs: Infinity, problem: "", colour: null };
+    if (isMesh) this.#load(shown, marker);
+    return shown;
+  }
+
+  #move(shown, marker) {
+    const { object } = shown;
+    put(object, marker.pose);
+    const frame = nameOf(marker.header.frame_id);
+    if (frame !== shown.frame) {
+      this.context.frames.hold(frame).add(object);
+      if (shown.frame !== null) this.context.frames.release(shown.frame);
+      shown.frame = frame;
+    }
+    if (marker.type === MESH) {
+      object.scale.copy(marker.scale);
+      shown.colour = marker.mesh_use_embedded_materials ? null : marker.color;
+      paint(shown);
+    } else {
+      set(object.children[0], marker);
+      this.#fault(shown, leftOut(marker));
+    }
+  }
+
+  async #load(shown, { mesh_resource: uri, mesh_use_embedded_materials: keepsColours, color: { r, g, b, a } }) {
     try {
       const mesh = await meshOf(this.context.gateway, uri, keepsColours ? null : { r, g, b, a });
-      if (object.parent) object.add(mesh);
+      if (shown.object.parent) shown.object.add(mesh);
       else dispose(mesh); // its marker has ended
+      paint(shown);
       this.context.changed();
     } catch (error) {
-      this.problem = error.message;
+      if (!shown.object.parent) return;
+      this.#fault(shown, error.message);
+      this.problem = this.#words;
     }
+  }
+
+  #fault(shown, problem) {
+    shown.problem = problem;
+    if (problem) this.#faulty.add(shown);
+    else this.#faulty.delete(shown);
   }
 
   #remove(key) {
     const marker = this.#markers.get(key);
     if (!marker) return;
     this.#markers.delete(key);
+    this.#faulty.delete(marker);
     dispose(marker.object);
     marker.object.removeFromParent();
-    this.context.frames.release(marker.frame);
+    if (marker.frame !== null) this.context.frames.release(marker.frame);
     this.context.changed();
   }
+}
+
+/** Give a mesh the colour of its marker, if it has not those of its file. */
+function paint({ object, colour }) {
+  if (colour) object.traverse(({ material }) => material && tint(material, colour, colour.a));
 }
