@@ -34,6 +34,7 @@ ALONE = """async ({ view, type = "std_msgs/msg/Float64", types = [type], ...othe
     window.now = 1000;
     performance.now = () => now;
     window.subscriptions = [];
+    window.takes = {}; // by topic
     window.hear = {};
     const gateway = {
         graph: {
@@ -45,7 +46,7 @@ ALONE = """async ({ view, type = "std_msgs/msg/Float64", types = [type], ...othe
         throttleOf: () => 0,
         subscribe: (topic, options, take, says) => {
             subscriptions.push(options);
-            window.take = (message) => take(message, 9, "{}", 0);
+            window.take = takes[topic] = (message) => take(message, 9, "{}", 0);
             window.says = says;
             return () => {};
         },

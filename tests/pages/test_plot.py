@@ -186,3 +186,60 @@ async def test_a_plot_keeps_a_limited_number_of_values(evaluate):
     assert 60_000 <= length <= 66_000
     _, seconds = await evaluate(kept, [20_000, 10])
     assert 600 <= seconds <= 660
+
+
+async def test_stamps_that_come_out_of_order_are_put_in_order(evaluate):
+    found = await evaluate("""async () => {
+        const { Samples } = await import("/views/plot_data.js");
+        const samples = new Samples(1);
+        // two nodes publish, one of them a second late, and twice at the same time
+        const times = [10, 9, 11, 10, 12, 11, 13, 12, 13, 8.5];
+        const again = times.map((time) => samples.add(time, [time]));
+        const [ordered, values] = samples.within(-Infinity, Infinity);
+        const isNew = samples.add(7.9, [1]); // a recording begins again
+        return { again: again.some(Boolean), ordered, values, isNew, left: samples.length };
+    }""")
+    ordered = [8.5, 9, 10, 10, 11, 11, 12, 12, 13, 13]
+    assert found == {
+        "again": False,
+        "ordered": ordered,
+        "values": ordered,
+        "isNew": True,
+        "left": 1,
+    }
+
+
+STAMPED = """([time, message]) => {
+    const sec = Math.floor(time);
+    const header = { stamp: { sec, nanosec: (time - sec) * 1e9 } };
+    const { topic = "/x", ...values } = message;
+    takes[topic]({ ...values, header });
+    drawn();
+}"""
+
+
+async def test_topics_whose_stamps_go_back_begin_again_together(open_card):
+    fields, settings = ["data", "/y:data"], {"time": "stamp"}
+    async with open_card("plot", fields=fields, settings=settings) as page:
+        for time in (100, 101, 102):
+            await page.evaluate(STAMPED, [time, {"data": time}])
+            await page.evaluate(STAMPED, [time - 0.5, {"data": -time, "topic": "/y"}])
+        await plotted(page)
+        await until(page, f"() => ({LABELS})().join('|') === 'data 102|/y:data -102'")
+        await page.evaluate(STAMPED, [1, {"data": 1}])
+        await page.evaluate(STAMPED, [2, {"data": 2}])
+        await until(page, f"() => ({LABELS})()[0] === 'data 2'")
+        await point(page, 1 - 1 / 30)
+        await until(page, f"() => ({LABELS})()[0] === 'data 1, 1.0 s ago'")
+
+
+async def test_another_topic_is_drawn_while_that_of_the_card_is_silent(open_card):
+    async with open_card("plot", fields=["data", "/y:data"]) as page:
+        await page.evaluate(STAMPED, [0, {"data": 5, "topic": "/y"}])
+        await plotted(page)
+        await until(page, f"() => {{ drawn(); return ({LABELS})()[1] === '/y:data 5'; }}")
+        await page.evaluate(STAMPED, [0, {"data": "text", "topic": "/y"}])
+        problem = "document.querySelector('article > .problem').textContent"
+        await until(page, f"() => {problem} === '/y: data is not a number'")
+        await page.evaluate(STAMPED, [0, {"data": 6, "topic": "/y"}])
+        await until(page, f"() => {problem} === ''")

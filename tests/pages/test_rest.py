@@ -9,7 +9,7 @@ from tests.pages.test_debug_page import NOTE_SENT, until
 
 pytestmark = pytest.mark.asyncio(loop_scope="package")
 
-# what cards have asked for and have not ended: names of topics, and of frames. Lists name topics
+# the demands of cards that have not ended: names of topics, and of frames. Lists name topics
 # without a slash
 ASKED = """() => {
     const asked = new Map();

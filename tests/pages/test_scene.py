@@ -326,7 +326,7 @@ async def test_a_strip_of_triangles_may_have_a_colour_for_each(served, open_page
     assert found == [1, 0.5, 0] * 3
 
 
-async def test_what_is_left_out_of_markers_is_said(served, open_page):
+async def test_a_scene_says_which_markers_it_leaves_out(served, open_page):
     async with open_page(page_address(served) + "#cards=none") as page:
         found = await stage(page, f"""{MARKER}
             const words = [];
@@ -441,7 +441,7 @@ async def test_meshes_of_stl_collada_and_obj_are_read(served, open_page):
     async with open_page(page_address(served) + "#cards=none") as page:
         found = await page.evaluate("""async (files) => {
             const { meshOf } = await import("/scene/assets.js");
-            const gateway = { ask: async ({ uri, offset }) => {
+            const gateway = { graph: {}, ask: async ({ uri, offset }) => {
                 const whole = atob(files[uri] ?? "");
                 return { size: whole.length, data: btoa(whole.slice(offset, offset + 50)) };
             } };
@@ -776,3 +776,109 @@ async def test_a_cloud_is_drawn_again_after_its_worker_has_failed(served, open_p
             return problem;
         """)  # fmt: skip
     assert found.startswith("It cannot be shown: ")
+
+
+LOSE = """name => {
+    const canvas = document.querySelector(".scene canvas");
+    window.graphics ??= canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
+    graphics[name]();
+}"""
+
+
+@pytest.mark.parametrize("place", ["scene+0+/", "world+0+/points"])
+async def test_a_scene_whose_graphics_memory_was_taken_says_so_and_comes_back(
+    demo, open_page, place
+):
+    missing = "document.querySelector('.scene .missing')"
+    async with open_page(f"{page_address(demo)}#card={place}") as page:
+        await until_magenta(page, True)
+        await page.evaluate(LOSE, "loseContext")
+        await until(page, f"() => {missing}.textContent.includes('has taken the graphics memory')")
+        assert await page.locator(".scene .missing").is_visible()
+        await page.evaluate(LOSE, "restoreContext")
+        await until(page, f"() => !{missing}.textContent.includes('graphics memory')")
+        await until_magenta(page, True)
+        # the words of the library for the developers of a page
+        page.wrong[:] = [each for each in page.wrong if "THREE.WebGLRenderer: Context" not in each]
+
+
+async def test_a_scene_keeps_a_limited_number_of_frames_and_says_so(served, open_page):
+    async with open_page(page_address(served) + "#cards=none") as page:
+        found = await stage(page, """
+            const scene = begin("on,/tf,,0.2,");
+            const { frames } = scene;
+            const at = (frame_id) => ({ frame_id });
+            const link = (child) => ({ header: at("map"), child_frame_id: child,
+                transform: identity });
+            const many = (prefix, count) => ({ transforms:
+                Array.from({ length: count }, (_, n) => link(prefix + n)) });
+            say("/tf_static", { transforms: [link("fixed")] });
+            say("/tf", many("a", 1997)); // with base_link, and the fixed one
+            scene.tick();
+            const words = [frames.leftOut, frames.names.has("a0")];
+            say("/tf", { transforms: [link("a0")] });
+            say("/tf", { transforms: [link("base_link")] });
+            say("/tf", many("b", 2));
+            scene.tick();
+            const names = ["fixed", "a0", "base_link", "a1", "a2", "b0", "b1"];
+            const left = names.filter((each) => frames.names.has(each));
+            const missing = scene.element.querySelector(".missing").textContent;
+            const [axes] = scene.layers.displays;
+            const few = axes.problem;
+            say("/tf", many("c", 1999));
+            say("/tf_static", many("d", 5000)); // these stay, so there is no room for the last ones
+            scene.tick();
+            const count = frames.names.size;
+            scene.close();
+            return { words, left, missing, few, count };
+        """)  # fmt: skip
+    assert found["words"] == ["", True]
+    assert found["left"] == ["fixed", "a0", "base_link", "a2", "b0", "b1"]
+    assert found["missing"].startswith("There are too many frames: the scene keeps 2000")
+    assert found["few"] == "200 of 2001 frames have axes."
+    assert found["count"] == 2001  # with the root
+
+
+async def test_files_of_robots_are_kept_up_to_a_limit(evaluate):
+    found = await evaluate("""async () => {
+        const { fetchAsset } = await import("/scene/assets.js");
+        const whole = btoa("x".repeat(48 * 1024 * 1024));
+        const asked = [];
+        const ask = async ({ uri }) => {
+            asked.push(uri);
+            if (uri === "huge") return { size: 65 * 1024 * 1024, data: btoa("x") };
+            return { size: 48 * 1024 * 1024, data: whole };
+        };
+        const gateway = { graph: {}, ask };
+        for (const uri of ["a", "b", "c", "d", "e", "a", "f"]) await fetchAsset(gateway, uri);
+        await fetchAsset({ ...gateway }, "a"); // it was used, and cards share what is kept
+        const before = asked.join("");
+        await fetchAsset(gateway, "b"); // the first that was left out
+        const problem = await fetchAsset(gateway, "huge").catch(({ message }) => message);
+        return { before, after: asked.join(""), problem };
+    }""")
+    assert found == {
+        "before": "abcdef",
+        "after": "abcdefbhuge",
+        "problem": "huge has 68157440 bytes: the page reads 67108864",
+    }
+
+
+async def test_all_missing_meshes_of_a_robot_are_counted(served, open_page):
+    meshes = "".join(
+        f"""<link name="l{n}"><visual><geometry><mesh filename="package://x/{n}.stl"/></geometry>
+        </visual></link>"""
+        for n in range(3)
+    )
+    async with open_page(page_address(served) + "#cards=none") as page:
+        problem = await stage(page, """
+            knows("/robot_description", "std_msgs/msg/String");
+            const scene = begin();
+            const [display] = scene.layers.displays;
+            say("/robot_description", { data: `<robot name="r">${given}</robot>` });
+            while (!display.problem.includes("2 more")) { await frame(); scene.tick(); }
+            const { problem } = display;
+            scene.close();
+            return problem;
+        """, meshes)  # fmt: skip
+    assert problem == "there is no package://x/0.stl, and 2 more meshes are missing"

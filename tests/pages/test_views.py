@@ -227,6 +227,64 @@ async def test_the_faults_of_a_tree_of_frames_are_said(open_card):
         assert "their own parents: odom, base, map" in await page.evaluate(wrong)
 
 
+async def test_a_tree_of_frames_has_a_limit_and_says_so(open_card):
+    wrong = "() => document.querySelector('.wrong').innerText"
+    many = """([prefix, count]) => {
+        const each = (n) => ({ header: { frame_id: "map" }, child_frame_id: `${prefix}${n}` });
+        take({ transforms: Array.from({ length: count }, (_, n) => each(n)) });
+        now += 600;
+        drawn();
+    }"""
+    frames = "() => document.querySelectorAll('.frames .frame').length"
+    async with open_card("frames", type="tf2_msgs/msg/TFMessage") as page:
+        await page.evaluate(many, ["a", 1000])
+        assert await page.evaluate(wrong) == ""
+        await page.evaluate(many, ["b", 1])
+        assert await page.evaluate(wrong) == "There are too many frames: 1000 are shown."
+        assert await page.evaluate(frames) == 1001  # with the root
+        await page.evaluate("() => { now += 3000; }")
+        await page.evaluate(many, ["b", 1])  # one that is silent gives way to it
+        assert await page.evaluate(frames) == 1001
+        names = "() => [...document.querySelectorAll('.frame')].map((each) => each.textContent)"
+        assert {"b0", "a1"} <= {*await page.evaluate(names)}
+        assert "a0" not in await page.evaluate(names)
+
+
+async def test_parts_their_groups_and_their_values_have_a_limit_and_say_so(open_card):
+    said = "(status) => { take({ status }); drawn(); drawn(); drawn(); now += 1; }"
+    text = "() => document.querySelector('.diagnostics').textContent"
+    groups = "() => document.querySelectorAll('.diagnostics details:not(.status)').length"
+    blank = {"level": 0, "message": "", "hardware_id": "", "values": []}
+    async with open_card("diagnostics", type="diagnostic_msgs/msg/DiagnosticArray") as page:
+        await page.evaluate(said, [blank | {"name": f"/g{n}/part"} for n in range(1000)])
+        assert "left out" not in await page.evaluate(text)
+        assert await page.evaluate(groups) == 1000
+        deep = "/".join(f"d{n}" for n in range(500))
+        await page.evaluate(said, [blank | {"name": deep}])
+        assert "more than 1000 parts: those that were silent" in await page.evaluate(text)
+        assert await page.evaluate(groups) == 999 + 8  # the first one is gone
+        values = [{"key": str(n), "value": ""} for n in range(203)]
+        await page.evaluate(said, [blank | {"name": "last", "values": values}])
+        await page.evaluate(
+            "() => { [...document.querySelectorAll('.status')].at(-1).open = true; }"
+        )
+        await until(page, f"() => ({text})().includes('left out3 more values')")
+
+
+async def test_joints_that_are_left_out_are_said(open_card):
+    state = """count => {
+        const name = Array.from({ length: count }, (_, n) => `j${n}`);
+        take({ name, position: [], velocity: [], effort: [] });
+        drawn();
+    }"""
+    words = "() => document.querySelector('.rows').innerText"
+    async with open_card("joints", type="sensor_msgs/msg/JointState") as page:
+        await page.evaluate(state, 200)
+        assert "There are more joints" not in await page.evaluate(words)
+        await page.evaluate(state, 201)
+        assert "There are more joints: 200 are shown." in await page.evaluate(words)
+
+
 DEPTH = {
     "encoding": "16UC1",
     "width": 4,

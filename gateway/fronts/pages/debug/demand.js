@@ -28,7 +28,7 @@ export class Demand {
     for (const each of this.#streams) each.end();
   }
 
-  /** Ask for all of it again. What is latched comes once more. */
+  /** Ask for all of it again. Latched messages come once more. */
   wake() {
     this.isResting = false;
     for (const each of this.#streams) each.end = each.begin();

@@ -7,18 +7,39 @@ const GREY = { r: 0.7, g: 0.72, b: 0.75, a: 1 };
 const NOTHING = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mP8/x8AAwMCAO+ip1sAAAAASUVORK5CYII=";
 const TYPES = { png: "image/png", jpg: "image/jpeg", jpeg: "image/jpeg" };
 const TEXT = new TextDecoder();
-const kept = new WeakMap(); // gateway -> uri -> octets to come
+const MOST_OCTETS = 64 * 1024 * 1024; // of a file, as the gateway has it
+const MOST_KEPT_OCTETS = 4 * MOST_OCTETS; // of all files. One that was not used for the longest time is fetched again
+
+/** The files of one connection. */
+class Files {
+  #files = new Map(); // uri -> {coming, octets}, the one that was used last at the end
+
+  get(gateway, uri) {
+    const file = this.#files.get(uri) ?? { coming: read(gateway, uri), octets: 0 };
+    const isNew = !this.#files.delete(uri);
+    this.#files.set(uri, file);
+    if (isNew) file.coming.then(({ length }) => this.#keep(file, length), () => this.#files.delete(uri)); // it may be there next time
+    return file.coming;
+  }
+
+  #keep(file, octets) {
+    file.octets = octets;
+    let sum = [...this.#files.values()].reduce((all, each) => all + each.octets, 0);
+    for (const [uri, each] of this.#files) {
+      if (sum <= MOST_KEPT_OCTETS) return;
+      sum -= each.octets;
+      if (each.octets) this.#files.delete(uri);
+    }
+  }
+}
+
+/** @type {WeakMap<object, Files>} by the graph, which all that use one connection share */
+const kept = new WeakMap();
 
 /** Return the octets of a file of an installed package. */
 export function fetchAsset(gateway, uri) {
-  if (!kept.has(gateway)) kept.set(gateway, new Map());
-  const files = kept.get(gateway);
-  if (!files.has(uri)) {
-    const coming = read(gateway, uri);
-    files.set(uri, coming);
-    coming.catch(() => files.delete(uri)); // it may be there next time
-  }
-  return files.get(uri);
+  if (!kept.has(gateway.graph)) kept.set(gateway.graph, new Files());
+  return kept.get(gateway.graph).get(gateway, uri);
 }
 
 async function read(gateway, uri) {
@@ -30,6 +51,7 @@ async function read(gateway, uri) {
     pieces.push(octets);
     offset += octets.length;
     size = piece.size;
+    if (size > MOST_OCTETS) throw new Error(`${uri} has ${size} bytes: the page reads ${MOST_OCTETS}`);
   }
   const whole = new Uint8Array(pieces.reduce((sum, { length }) => sum + length, 0));
   let at = 0;

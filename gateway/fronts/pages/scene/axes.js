@@ -12,7 +12,10 @@ export class AxesDisplay extends Display {
   open() {} // the scene knows the frames
 
   tick() {
-    for (const frame of this.context.frames.names) {
+    const { names } = this.context.frames;
+    for (const frame of this.#axes.keys()) if (!names.has(frame)) this.#remove(frame);
+    this.problem = names.size > MOST_FRAMES ? `${MOST_FRAMES} of ${names.size} frames have axes.` : "";
+    for (const frame of names) {
       if (this.#axes.has(frame) || this.#axes.size >= MOST_FRAMES) continue;
       const axes = new AxesHelper(this.look.size);
       axes.add(label(frame, this.look.size / 3));
@@ -33,11 +36,15 @@ export class AxesDisplay extends Display {
   }
 
   #clear() {
-    for (const [frame, axes] of this.#axes) {
-      dispose(axes);
-      axes.removeFromParent();
-      this.context.frames.release(frame);
-    }
-    this.#axes.clear();
+    for (const frame of this.#axes.keys()) this.#remove(frame);
+  }
+
+  #remove(frame) {
+    const axes = this.#axes.get(frame);
+    this.#axes.delete(frame);
+    dispose(axes);
+    axes.removeFromParent();
+    this.context.frames.release(frame);
+    this.context.changed();
   }
 }

@@ -4,7 +4,9 @@
 import { Group, Quaternion, Vector3 } from "../vendor/three.js";
 
 const MISSING_MS = 2000; // so long a transform may take to come
+const MOST_FRAMES = 2000; // a program may name a new one for each thing that it sees
 const DEEPEST = 100; // frames above another one: more are a loop
+const STATIC = "/tf_static";
 const MAIN = ["map", "odom", "base_footprint", "base_link"]; // REP 105, the best to see everything in first
 
 /** Return the name of a frame as tf2 has it. */
@@ -18,8 +20,9 @@ export class Frames {
   /** Why there are no transforms, in words, or "". */
   problem = "";
   #ends;
-  /** @type {Map<string, {parent: string, place: any, turn: any}>} */
+  /** @type {Map<string, {parent: string, place: any, turn: any, isFixed: boolean}>} the one that has not come for the longest time first */
   #tree = new Map();
+  #hasLeftOut = false;
   /** @type {Map<string, {group: any, users: number, sinceMs: number}>} */
   #places = new Map();
   #isStale = true; // something may have moved since the last step
@@ -29,24 +32,43 @@ export class Frames {
 
   /** @param {import("../shared/gateway.js").Gateway} gateway */
   constructor(gateway) {
-    const hear = (topic) => gateway.subscribe(topic, { compression: "cbor" }, (message) => this.take(message), ({ msg, level, code }) => {
+    const hear = (topic) => gateway.subscribe(topic, { compression: "cbor" }, (message) => this.take(message, topic === STATIC), ({ msg, level, code }) => {
       if (level === "error") this.problem = msg;
       if (code === "fresh") this.problem = "";
     });
-    this.#ends = ["/tf", "/tf_static"].map(hear);
+    this.#ends = ["/tf", STATIC].map(hear);
   }
 
-  /** Take a `tf2_msgs/msg/TFMessage`. */
-  take({ transforms }) {
+  /** Take a `tf2_msgs/msg/TFMessage`. A fixed transform comes once. */
+  take({ transforms }, isFixed = false) {
     for (const { header, child_frame_id: child, transform: { translation, rotation } } of transforms) {
       const [name, parent] = [nameOf(child), nameOf(header.frame_id)];
-      if (!this.#tree.has(name)) this.#tree.set(name, { parent, place: new Vector3(), turn: new Quaternion() });
-      const known = this.#tree.get(name);
+      const known = this.#tree.get(name) ?? this.#add();
+      if (!known) continue;
+      this.#tree.delete(name);
+      this.#tree.set(name, known); // the newest is the last
       known.parent = parent;
+      known.isFixed = isFixed;
       known.place.copy(translation);
       known.turn.set(rotation.x, rotation.y, rotation.z, rotation.w);
     }
     this.#isStale = true;
+  }
+
+  /** Make room for a frame. Without room for it, return null. */
+  #add() {
+    if (this.#tree.size >= MOST_FRAMES) {
+      this.#hasLeftOut = true;
+      const [oldest] = [...this.#tree].find(([, { isFixed }]) => !isFixed) ?? [];
+      if (oldest === undefined) return null;
+      this.#tree.delete(oldest);
+    }
+    return { parent: "", place: new Vector3(), turn: new Quaternion(), isFixed: false };
+  }
+
+  /** The frames that are left out, in words, or "". */
+  get leftOut() {
+    return this.#hasLeftOut ? `There are too many frames: the scene keeps ${MOST_FRAMES}, and leaves out those that were silent for the longest time.` : "";
   }
 
   /** The names of all frames. */

@@ -36,7 +36,8 @@ export class RobotDisplay extends Display {
   tick() {
     if (!this.#model) return;
     this.within(this.frame);
-    this.problem = this.#model.problems[0] ?? "";
+    const [first = "", ...others] = this.#model.problems;
+    this.problem = others.length ? `${first}, and ${others.length} more meshes are missing` : first;
     const joints = this.#namespace + "joint_states";
     if (this.#joints || this.context.gateway.graph.typeOf(joints) !== JOINTS) return;
     this.#joints = joints;

@@ -20,6 +20,7 @@ const TOOLS = {
   pick: { name: "Pick", hint: "Click a place to read its coordinates. With the keyboard: Enter at the middle of the view." },
 };
 const KEYS = "Drag to turn, right button or two fingers to move, wheel or pinch to zoom. Keys: arrows, Shift and arrows, +, -.";
+const LOST = "The browser has taken the graphics memory of this scene. It gives it back when there is room: close other pages with 3D, or reload this page.";
 const FLOOR_M = 20;
 const BASES = ["base_footprint", "base_link"];
 const FLAT = { x: 0, y: 0, z: 0 };
@@ -47,6 +48,7 @@ export class SceneView {
   #arrows = { go: poseArrow("go"), place: poseArrow("place") };
   #floor = null;
   #isDirty = true;
+  #isLost = false; // its graphics memory
   #before = null; // the place of the followed robot
   #ends = new AbortController();
   #sizes;
@@ -103,7 +105,7 @@ export class SceneView {
   tick() {
     this.layers.tick();
     this.#offerFrames();
-    const missing = [this.frames.problem, this.frames.missing].filter(Boolean).join(" ");
+    const missing = [this.#isLost && LOST, this.frames.problem, this.frames.leftOut, this.frames.missing].filter(Boolean).join(" ");
     if (this.#missing.textContent !== missing) this.#missing.textContent = missing; // it is read out
     this.#missing.hidden = !missing;
     this.#goalLine.write(this.#words);
@@ -222,7 +224,15 @@ export class SceneView {
     canvas.addEventListener("pointerup", ({ isPrimary }) => isPrimary && this.#drag.up(), { signal });
     canvas.addEventListener("pointercancel", () => this.#drag.drop(), { signal });
     canvas.addEventListener("keydown", (event) => this.#key(event), { signal });
+    canvas.addEventListener("webglcontextlost", () => this.#lose(true), { signal });
+    canvas.addEventListener("webglcontextrestored", () => this.#lose(false), { signal }); // three has made all of it again
     this.#drag.watch(this.#gateway, canvas, signal);
+  }
+
+  #lose(isLost) {
+    this.#isLost = isLost;
+    this.#dirty();
+    this.tick();
   }
 
   #key(event) {

@@ -7,6 +7,7 @@ const LEAST = { all: 0, warnings: 1, errors: 2 }; // the least level of the show
 const STALE = 3;
 const STALE_MS = 5000; // as diagnostic_aggregator has it
 const MOST_STATUSES = 1000;
+const DEEPEST = 8; // groups above a part: what is below has one name
 const MOST_CHANGES = 20; // of each status
 const MOST_VALUES = 200; // of each status
 
@@ -26,6 +27,7 @@ export class DiagnosticsView {
   #tree = element("div");
   #level;
   #lookedMs = 0;
+  #hasLeftOut = false;
 
   constructor(card) {
     this.#card = card;
@@ -72,17 +74,18 @@ export class DiagnosticsView {
       each.write();
     }
     for (const group of this.#groups.values()) group.hidden = ![...group.querySelectorAll(".status")].some((each) => !each.hidden);
-    const words = LEVELS.map((word, level) => `${counts[level]} ${word}`).reverse().join(" · ");
+    const leftOut = this.#hasLeftOut ? ` · more than ${MOST_STATUSES} parts: those that were silent for the longest time are left out` : "";
+    const words = LEVELS.map((word, level) => `${counts[level]} ${word}`).reverse().join(" · ") + leftOut;
     if (this.#counts.textContent !== words) this.#counts.textContent = words;
     this.#none.hidden = shown > 0;
     this.#none.textContent = this.#statuses.size ? `No part has this level: choose all to see ${this.#statuses.size} parts.` : "No part has sent its status yet.";
   }
 
   #add(name) {
-    const parts = name.split("/").filter(Boolean);
-    const made = new Status(parts.at(-1) ?? name);
+    const { groups, own } = partsOf(name);
+    const made = new Status(own);
     this.#statuses.set(name, made);
-    this.#place(parts.slice(0, -1)).append(made.element);
+    this.#place(groups).append(made.element);
     return made;
   }
 
@@ -99,12 +102,28 @@ export class DiagnosticsView {
     return group;
   }
 
-  /** Leave out the part that has said nothing for the longest time. */
+  /** Leave out the part that has said nothing for the longest time, and groups that are empty then. */
   #forget() {
+    this.#hasLeftOut = true;
     const [name, oldest] = [...this.#statuses].reduce((one, other) => (other[1].heardMs < one[1].heardMs ? other : one));
     this.#statuses.delete(name);
     oldest.element.remove();
+    const { groups } = partsOf(name);
+    for (; groups.length; groups.pop()) {
+      const path = groups.join("/");
+      const group = this.#groups.get(path);
+      if (group.querySelector(".status")) return;
+      group.remove();
+      this.#groups.delete(path);
+    }
   }
+}
+
+/** Return the names of the groups of a part, and its own. */
+function partsOf(name) {
+  const parts = name.split("/").filter(Boolean);
+  const groups = parts.slice(0, -1).slice(0, DEEPEST);
+  return { groups, own: parts.slice(groups.length).join("/") || name };
 }
 
 /** One part: its level and message, its values, and what has changed. */
@@ -151,7 +170,8 @@ class Status {
     if (!this.element.open || !this.#newest) return;
     const { hardware_id: hardware, values } = this.#newest;
     const pairs = values.slice(0, MOST_VALUES).map(({ key, value }) => [key, value]);
-    this.#values.show([...(hardware ? [["hardware", hardware]] : []), ...pairs]);
+    const leftOut = values.length > MOST_VALUES ? [["left out", `${values.length - MOST_VALUES} more values`]] : [];
+    this.#values.show([...(hardware ? [["hardware", hardware]] : []), ...pairs, ...leftOut]);
   }
 
   #note(words) {

@@ -22,6 +22,7 @@ export class FramesView {
   #shape = ""; // of the tree that is drawn
   #roots = []; // names of frames without a parent
   #lost = []; // frames in a loop
+  #hasLeftOut = false;
 
   constructor(card) {
     this.#isStatic = card.topic.endsWith("_static");
@@ -50,8 +51,19 @@ export class FramesView {
     for (const { header, child_frame_id: child } of transforms) {
       const known = this.#frames.get(child);
       if (known) known.take(header.frame_id, isStatic);
-      else if (this.#frames.size < MOST_FRAMES) this.#frames.set(child, new Frame(child, header.frame_id, isStatic));
+      else if (this.#hasRoom()) this.#frames.set(child, new Frame(child, header.frame_id, isStatic));
     }
+  }
+
+  /** Whether one more frame has room. One that comes no longer gives way to it. */
+  #hasRoom() {
+    if (this.#frames.size < MOST_FRAMES) return true;
+    this.#hasLeftOut = true;
+    const silent = [...this.#frames.values()].find(({ isLate }) => isLate);
+    if (!silent) return false;
+    this.#frames.delete(silent.name);
+    silent.element.remove();
+    return true;
   }
 
   #write() {
@@ -89,7 +101,7 @@ export class FramesView {
   }
 
   #tell() {
-    const words = [];
+    const words = this.#hasLeftOut ? [`There are too many frames: ${MOST_FRAMES} are shown.`] : [];
     if (this.#roots.length > 1) words.push(`${this.#roots.length} trees are not connected: ${this.#roots.join(", ")}.`);
     if (this.#lost.length) words.push(`These frames are their own parents: ${this.#lost.map(({ name }) => name).join(", ")}.`);
     for (const { name, parents } of this.#frames.values()) if (parents.size > 1) words.push(`${name} has several parents: ${[...parents].join(", ")}.`);
@@ -123,13 +135,20 @@ class Frame {
     this.#count += 1;
   }
 
+  get ageMs() {
+    return performance.now() - this.#heardMs;
+  }
+
+  get isLate() {
+    return !this.isStatic && this.ageMs > LATE_MS;
+  }
+
   write(passedMs) {
     if (passedMs > RATE_MS) {
       this.#hz = (this.#count * 1000) / passedMs;
       this.#count = 0;
     }
-    const ageMs = performance.now() - this.#heardMs;
-    const isLate = !this.isStatic && ageMs > LATE_MS;
+    const { ageMs, isLate } = this;
     const words = this.isStatic ? "static" : isLate ? `${span(ageMs)} old` : `${this.#hz.toFixed(this.#hz < 10 ? 1 : 0)} Hz`;
     if (this.#about.textContent === words) return;
     this.#about.textContent = words;

@@ -17,6 +17,7 @@ export class JointsView {
   /** @type {Map<string, import("./joint_limits.js").Limit>} */
   #limits = new Map();
   #rows = new Map(); // name -> Joint
+  #leftOut = element("p", { className: "quiet", hidden: true }, `There are more joints: ${MOST_JOINTS} are shown.`);
   #end;
 
   constructor(card) {
@@ -36,7 +37,11 @@ export class JointsView {
   }
 
   #add(name) {
-    if (this.#rows.size >= MOST_JOINTS) return null;
+    if (this.#rows.size >= MOST_JOINTS) {
+      this.#leftOut.hidden = false;
+      if (!this.#leftOut.isConnected) this.element.append(this.#leftOut);
+      return null;
+    }
     const row = new Joint(name);
     this.#rows.set(name, row);
     this.element.append(row.element);

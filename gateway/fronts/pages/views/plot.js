@@ -35,6 +35,9 @@ export class PlotView {
   #drawnAt = 0; // the end of the window, in seconds
   #hasLong = false; // whether a value is a BigInt, which nothing can be drawn by
   #plot = null;
+  #hasMore = false; // of other topics than that of the card
+  #shownMs = 0; // when it was drawn up to the newest
+  #wrong = ""; // the words about a message of another topic
   /** @type {TreeView|null} of the numbers that can be plotted, until one is chosen */
   #choice = null;
   #tools;
@@ -83,18 +86,21 @@ export class PlotView {
     if (!this.#choice) this.#keep(this.#card.topic, message);
   }
 
-  show(message) {
+  show(message = null) {
     if (this.#choice) {
       if (!this.#choice.element.isConnected) this.element.append("Which number? ", this.#choice.element);
       this.#choice.show(message);
       return;
     }
     this.#drawnAt = this.#now;
+    this.#shownMs = performance.now();
+    this.#hasMore = false;
     this.#render();
   }
 
   draw() {
-    const isDue = this.#plot ? !this.#fits : this.#samples.get(this.#card.topic)?.length;
+    if (this.#hasMore && performance.now() - this.#shownMs >= this.rest) this.show(); // the topic of the card may be a slow one
+    const isDue = this.#plot ? !this.#fits : this.#hasSome;
     if (isDue) this.#render(); // it was not laid out when its newest message came, or it has another size since
   }
 
@@ -113,6 +119,10 @@ export class PlotView {
     this.#observer.disconnect();
     this.#tools?.close();
     for (const end of this.#ends.values()) end();
+  }
+
+  get #hasSome() {
+    return [...this.#samples.values()].some(({ length }) => length);
   }
 
   /** The time at which the window ends that is seen: now, or the newest stamp. */
@@ -151,7 +161,7 @@ export class PlotView {
       const before = this.#ends.get(topic);
       const throttle = this.#card.rate ? Math.round(1000 / this.#card.rate) : 0;
       const options = { fields: this.#fieldsOf(topic), throttle_rate: throttle };
-      this.#ends.set(topic, this.#card.gateway.subscribe(topic, options, (message) => this.#keep(topic, message), ({ msg }) => this.#card.tell(msg)));
+      this.#ends.set(topic, this.#card.gateway.subscribe(topic, options, (message) => this.#keepOther(topic, message), ({ msg }) => this.#card.tell(msg)));
       before?.();
     }
   }
@@ -165,8 +175,22 @@ export class PlotView {
       return drawable(value);
     });
     const { sec = 0, nanosec = 0 } = message.header?.stamp ?? {};
-    this.#samples.get(topic).add(this.#tools.isStamped ? sec + nanosec / 1e9 : performance.now() / 1000, values);
+    const time = this.#tools.isStamped ? sec + nanosec / 1e9 : performance.now() / 1000;
+    const hasBegunAgain = this.#samples.get(topic).add(time, values);
+    if (hasBegunAgain) for (const each of this.#samples.values()) each.forgetAfter(time); // or the window would wait at their end
     if (strange) throw new TypeError(`${strange} is not a number`);
+  }
+
+  #keepOther(topic, message) {
+    try {
+      this.#keep(topic, message);
+      if (this.#wrong) this.#card.untell(this.#wrong);
+      this.#wrong = "";
+    } catch (error) {
+      this.#wrong = `${topic}: ${error.message}`;
+      this.#card.tell(this.#wrong);
+    }
+    this.#hasMore = true;
   }
 
   #render() {
@@ -267,7 +291,7 @@ export class PlotView {
   #remake() {
     this.#plot?.destroy();
     this.#plot = null;
-    if (this.#samples.get(this.#card.topic)?.length) this.#render();
+    if (this.#hasSome) this.#render();
   }
 
   /** Return all that is kept, as CSV. */

@@ -3,6 +3,7 @@
 
 const MOST_S = 600; // as long as the longest window
 const MOST_POINTS = 60_000; // of a curve: 100 Hz for 10 min
+const MOST_LATE_S = 5; // so much older than the newest a message of another node may be. An older one is of a new beginning
 const SLACK = 0.1; // it may have so much more, so that not each message moves all of it
 
 /** The newest values of some curves of one topic, in the order of their times. */
@@ -34,11 +35,27 @@ export class Samples {
     this.#columns.push(this.#columns[0].map(() => null));
   }
 
-  /** Take the values of a message. If time goes back, as when a recording begins again, the earlier ones are gone. */
+  /**
+   * Take the values of a message, which may be a little late. If time goes back, as when a recording begins again, the earlier ones go.
+   * Return whether it did.
+   */
   add(time, values) {
-    if (time < this.newest) for (const each of this.#columns) each.length = 0;
-    this.#columns[0].push(time);
-    values.forEach((value, index) => this.#columns[index + 1].push(value));
+    const hasBegunAgain = this.forgetAfter(time);
+    const at = time < this.newest ? this.#at(time, true) : this.length;
+    [time, ...values].forEach((value, index) => this.#columns[index].splice(at, 0, value));
+    this.#trim();
+    return hasBegunAgain;
+  }
+
+  /** Forget all of a time that has not come again yet. Return whether there was any. */
+  forgetAfter(time) {
+    if (!(time < this.newest - MOST_LATE_S)) return false;
+    for (const each of this.#columns) each.length = 0;
+    return true;
+  }
+
+  #trim() {
+    const time = this.newest;
     const late = this.oldest < time - MOST_S * (1 + SLACK) ? this.#at(time - MOST_S) : 0;
     const excess = this.length > MOST_POINTS * (1 + SLACK) ? this.length - MOST_POINTS : 0;
     const gone = Math.max(late, excess);
@@ -52,13 +69,13 @@ export class Samples {
     return this.#columns.map((each) => each.slice(first, end));
   }
 
-  /** Return the place of the first that is at least as new. */
-  #at(time) {
+  /** Return the place of the first that is at least as new, or newer. */
+  #at(time, isNewer = false) {
     const [times] = this.#columns;
     let [low, high] = [0, times.length];
     while (low < high) {
       const middle = (low + high) >> 1;
-      if (times[middle] < time) low = middle + 1;
+      if (times[middle] < time || (isNewer && times[middle] === time)) low = middle + 1;
       else high = middle;
     }
     return low;
