@@ -47,7 +47,7 @@ STAGE = """
         topic, { name: topic, types: [type], publishers: ["/n"], subscribers: [] });
     const say = (topic, message) => heard.get(topic)?.(message);
     const begin = (...kept) => {
-        const scene = new SceneView(gateway, kept, () => {});
+        const scene = new SceneView(gateway, kept, () => {}, { fill() {}, onFull: () => () => {} });
         document.body.append(scene.element);
         say("/tf", { transforms: [
             { header: { frame_id: "map" }, child_frame_id: "base_link", transform: identity },
