@@ -53,7 +53,7 @@ test: lint $(CLIENTS) ## check and test, in seven minutes, or in half an hour wi
 	@$(BIN)/python -m tests.interfaces
 	@sh tools/make-mono.sh
 	@sh tools/make-browser.sh
-	@sh tools/make-haproxy.sh
+	@sh tools/make-balancers.sh
 	@sh tools/make-colcon.sh $(VENV)
 	@$(if $(PYTEST_ARGS),:,echo "testing takes about $(DURATION) on two cores, the first time some minutes more ...")
 	$(BIN)/python -m pytest $(WORKERS) $(if $(findstring tests/,$(PYTEST_ARGS)),,$(SELECTION)) $(PYTEST_ARGS)

@@ -47,7 +47,7 @@ def test_make_test_leaves_out_what_is_long_unless_it_is_asked_for(tree, argument
         script(tree, name, "exit 0")
     script(tree, "python", 'case "$2" in pytest) echo "runs: $*";; esac')
     (tree / "tools").mkdir()
-    for name in ("make-clients", "make-mono", "make-browser", "make-haproxy", "make-colcon"):
+    for name in ("make-clients", "make-mono", "make-browser", "make-balancers", "make-colcon"):
         (tree / f"tools/{name}.sh").touch()
     (tree / ".venv/clients").mkdir()
     (tree / ".venv/clients/.ready").touch()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Start a fleet on this computer: robots, a Zenoh router, two relays, and HAProxy.
+"""Start a fleet on this computer: robots, a Zenoh router, two relays, and a load balancer.
 
 Run it in the directory of the repository: ``.venv/bin/python examples/fleet/start.py``.
 Ctrl-C ends all.
@@ -23,6 +23,7 @@ from pathlib import Path
 HERE = Path(__file__).parent
 GATEWAY = (sys.executable, "-m", "gateway")
 RELAYS = ("relay1", "relay2")
+BALANCERS = ("haproxy", "nginx")
 START_S = 120
 DRAIN_S = 3  # longer than the two checks of HAProxy that a relay may fail
 
@@ -69,23 +70,24 @@ def main() -> None:
     parser.add_argument("--port", type=int, default=8080, help="port for viewers (default 8080)")
     parser.add_argument("--robots", type=int, default=1, help="number of robots (default 1)")
     parser.add_argument("--ros", action="store_true", help="simulate robots in ROS: you can drive")
+    parser.add_argument("--domain-id", type=int, default=50, help="of the first one (default 50)")
+    parser.add_argument("--balancer", choices=BALANCERS, default="haproxy", help="(haproxy)")
     options = parser.parse_args()
-    if shutil.which("haproxy") is None:
-        sys.exit("haproxy is not installed: run  sudo apt install haproxy")
+    if shutil.which(options.balancer) is None:
+        sys.exit(f"{options.balancer} is not installed: run  sudo apt install {options.balancer}")
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     with contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as stack:
         fleet = Fleet(stack)
         robots = [f"r{number}" for number in range(1, options.robots + 1)]
         address = start_router(fleet, robots)
         for number, robot in enumerate(robots):
-            start_robot(fleet, robot, address, number if options.ros else None)
+            domain = options.domain_id + number if options.ros else None
+            start_robot(fleet, robot, address, domain)
         ports = [start_relay(fleet, name, address) for name in RELAYS]
         for port in ports:
             wait_until_robots(fleet, f"http://127.0.0.1:{port}", robots)
-        places = {"FLEET_HOST": options.host, "FLEET_PORT": str(options.port)}
-        for name, port in zip(RELAYS, ports, strict=True):
-            places[f"FLEET_{name.upper()}"] = str(port)
-        fleet.start("haproxy", "haproxy", "-db", "-f", str(HERE / "haproxy.cfg"), **places)
+        start_balancer = start_nginx if options.balancer == "nginx" else start_haproxy
+        start_balancer(fleet, options.host, options.port, ports)
         url = f"http://{options.host}:{options.port}"
         wait_until_robots(fleet, url, robots)
         print(f"ready: {url}/", flush=True)
@@ -112,7 +114,7 @@ def start_router(fleet: Fleet, robots: list[str]) -> str:
 
 def start_robot(fleet: Fleet, name: str, router: str, domain: int | None) -> None:
     """Start a robot with an uplink: a recording of one, or with a domain a simulation in ROS."""
-    simulated = ("--recorded",) if domain is None else ("--domain-id", str(50 + domain))
+    simulated = ("--recorded",) if domain is None else ("--domain-id", str(domain))
     uplink = ("--uplink", router, "--robot-name", name, *fleet.sign_in("uplink", name))
     command = (*GATEWAY, "demo", *simulated, "--no-browser", "--port", str(free_port()), *uplink)
     fleet.start(name, *command)
@@ -130,7 +132,35 @@ def start_relay(fleet: Fleet, name: str, router: str) -> int:
     flags = [part for key, value in settings.items() for part in ("--set", f"{key}={value}")]
     command = (*GATEWAY, "relay", router, "--port", str(port), *flags)
     fleet.start(name, *command, *fleet.sign_in("relay", name))
+    print(f"{name}: http://127.0.0.1:{port}/", flush=True)
     return port
+
+
+def start_haproxy(fleet: Fleet, host: str, port: int, relays: list[int]) -> None:
+    """Start HAProxy in front of the relays."""
+    places = {"FLEET_HOST": host, "FLEET_PORT": str(port)}
+    for name, relay in zip(RELAYS, relays, strict=True):
+        places[f"FLEET_{name.upper()}"] = str(relay)
+    fleet.start("haproxy", "haproxy", "-db", "-f", str(HERE / "haproxy.cfg"), **places)
+
+
+def start_nginx(fleet: Fleet, host: str, port: int, relays: list[int]) -> None:
+    """Start nginx in front of the relays, with the ports of this fleet in place of the usual."""
+    text = (HERE / "nginx.conf").read_text().replace("listen 8080", f"listen {host}:{port}")
+    for usual, relay in zip(("9091", "9092"), relays, strict=True):
+        text = text.replace(f"127.0.0.1:{usual}", f"127.0.0.1:{relay}")
+    ours = fleet.directory / "fleet.conf"
+    ours.write_text(text)
+    kept = ("client_body", "proxy", "fastcgi", "uwsgi", "scgi")
+    http = [f"{each}_temp_path {fleet.directory}/{each};" for each in kept]
+    main = fleet.directory / "nginx.conf"
+    main.write_text(
+        f"daemon off; error_log stderr; pid {fleet.directory}/nginx.pid;\n"
+        f"events {{ worker_connections 4000; }}\n"
+        f"http {{ access_log off; {' '.join(http)} include {ours}; }}\n"
+    )
+    fleet.start("nginx", "nginx", "-e", "stderr", "-c", str(main))
+    print(f"nginx: {ours}", flush=True)
 
 
 def wait_until_robots(fleet: Fleet, url: str, robots: list[str]) -> None:

@@ -77,7 +77,10 @@ class Offer:
 
 
 class Offering:
-    """Finds out what is offered. Topics of *commands* move the robot: viewers never get these."""
+    """Finds out what is offered.
+
+    Topics of *commands* move the robot. Viewers see that nodes listen on these, and nothing passes.
+    """
 
     def __init__(self, types: Types, commands: Collection[str]) -> None:
         self._types, self._commands = types, frozenset(commands)
@@ -105,7 +108,7 @@ class Offering:
                 offer.add(Entity(node, "SS", describing._replace(name=name), SERVICE_QOS))
         names = {each.name for each in graph.topics}
         for topic in graph.topics:
-            if topic.name not in self._commands and sees(topic.name):
+            if sees(topic.name):
                 self._add_topic(offer, _without_hidden(topic, sees), names)
         for service in graph.services:
             if sees(service.name):
@@ -152,6 +155,9 @@ class Offering:
         if known is None:
             return
         key = DataKey(DOMAIN, name, type_name, known)
+        if name in self._commands:  # so that pages see that there is a robot to drive
+            offer.add(*_alike(topic.subscribers, "MS", key, PLAIN))
+            return
         if topic.publishers:
             offer.topics[name] = OfferedTopic(key, topic.name, topic.is_latched, is_picture)
             qos = LATCHED if topic.is_latched else PLAIN

@@ -45,15 +45,18 @@ async def test_the_graph_of_the_robot_is_that_of_its_relays(fleet: Fleet):
     )
 
 
-async def test_topics_that_move_the_robot_are_never_offered(fleet: Fleet):
+async def test_topics_that_move_the_robot_are_shown_and_pass_nothing(fleet: Fleet):
     ros = fleet.bench.ros
     ros.add_publisher("/cmd_vel", TWIST)
     ros.add_subscription("/cmd_vel", TWIST, lambda _: None)
     ros.add_publisher("/odom", ODOMETRY)
-    await fleet.offered()
+    one = await fleet.offered()
     relay = fleet.relay()
     await eventually(lambda: relay.topic_types("/odom") == (ODOMETRY,))
-    assert relay.topic_types("/cmd_vel") == ()
+    [shown] = [each for each in relay.graph().topics if each.name == "/cmd_vel"]
+    assert (shown.types, shown.publishers, shown.subscribers) == ((TWIST,), (), ("/outside",))
+    assert one.link is not None
+    assert not {"/cmd_vel"} & {*one.link.offer.topics, *one.link.offer.inputs}
     publisher = relay.publishing.advertise("/cmd_vel", TWIST, Qos(), lambda _: None)
     publisher.publish(fleet.bench.cdr(TWIST))
     received, _ = watched(relay, "/odom", ODOMETRY)

@@ -11,6 +11,7 @@ from gateway.cli.doctor import machine_checks, ros_checks
 from gateway.cli.doctor.finding import Check, Finding, Note, Result, Results
 from gateway.cli.doctor.machine import Machine
 from gateway.cli.doctor.ports import ports
+from gateway.cli.doctor.uplink import uplink
 from gateway.config.model import Config
 from gateway.config.settings import Loaded, load
 from gateway.errors import ConfigError
@@ -24,6 +25,7 @@ CHECKS: Final[Mapping[str, Callable[[Machine], Results]]] = {
     "shared memory": machine_checks.shared_memory,
     "permissions": machine_checks.permissions,
     "ports": ports,
+    "uplink": uplink,
     "clock": machine_checks.clock,
     "disk": machine_checks.disk,
 }

@@ -40,6 +40,13 @@ def ports(machine: Machine) -> Results:
             yield _finding(faults[0], port)
 
 
+def gateway_runs(machine: Machine) -> bool:
+    """Return whether a gateway answers on the port of the configuration."""
+    port = machine.config.port
+    hosts = posture_of(machine.config).hosts
+    return bool(port) and any(_is_gateway(host, port) for host in hosts)
+
+
 def _fault(host: str, port: int) -> tuple[str, OSError] | None:
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:

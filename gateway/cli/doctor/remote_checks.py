@@ -29,8 +29,8 @@ _SCHEMES: Final = {"ws": "ws", "http": "ws", "wss": "wss", "https": "wss"}
 _LEVELS: Final[Mapping[int, FindingLevel]] = {1: "warning", 2: "error"}
 _LOG: Final = "Read the log on the robot, such as `journalctl -u ros2-gateway -e`"
 _ONLY_THERE: Final = (
-    "a gateway does not tell about shared memory, permissions, ports, NumPy, DDS profile, or disk:"
-    " run `ros2-gateway doctor` on the robot"
+    "a gateway does not tell about shared memory, permissions, ports, NumPy, DDS profile, uplink,"
+    " or disk: run `ros2-gateway doctor` on the robot"
 )
 
 

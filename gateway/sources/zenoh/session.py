@@ -34,6 +34,14 @@ _SETTINGS: Final[dict[str, object]] = {
 }
 
 
+class RouterError(RosStartError):
+    """Raised if a router cannot be used. *what* is a sentence, and *remedy* begins with a verb."""
+
+    def __init__(self, what: str, remedy: str) -> None:
+        super().__init__(f"{what}: {remedy}")
+        self.what, self.remedy = what, remedy
+
+
 def open_session(options: ZenohOptions) -> Any:
     """Connect to the router. This blocks until then.
 
@@ -63,7 +71,7 @@ def open_session(options: ZenohOptions) -> Any:
         found = unusable(options.router, read, options.section, options.remedy)
         if found is not None:
             what, remedy = found
-        raise RosStartError(f"the Zenoh router {options.router} {what}: {remedy}") from error
+        raise RouterError(f"the Zenoh router {options.router} {what}", remedy) from error
 
 
 def _value(text: str) -> Any:
