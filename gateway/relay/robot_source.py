@@ -5,6 +5,7 @@ import asyncio
 import contextlib
 from collections.abc import AsyncIterator
 from dataclasses import replace
+from typing import Final
 
 from gateway.config.model import Config
 from gateway.relay.robot_watch import namespace_of
@@ -13,6 +14,10 @@ from gateway.sources.zenoh.options import ZenohOptions
 from gateway.sources.zenoh.port import ZenohSource
 from gateway.sources.zenoh.session import open_session
 from schemas.installed import InstalledDefinitions
+
+_PUBLISH: Final = (
+    "set relays_publish = true in the file of the router, and let uplink.role of the robot publish"
+)
 
 
 @contextlib.asynccontextmanager
@@ -37,4 +42,5 @@ async def open_robot_source(
         asks_nodes=config.types.ask_nodes,
     )
     with contextlib.closing(ZenohSource(session, options, definitions)) as source:
+        source.publishing.refuse_unheard(_PUBLISH)
         yield source

@@ -31,7 +31,13 @@ class RosError(Exception):
     def __init__(
         self,
         code: Literal[
-            "bad_name", "bad_type", "type_conflict", "not_found", "limit_exceeded", "internal"
+            "bad_name",
+            "bad_type",
+            "type_conflict",
+            "not_found",
+            "forbidden",
+            "limit_exceeded",
+            "internal",
         ],
         reason: str,
     ) -> None:

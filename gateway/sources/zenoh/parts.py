@@ -94,6 +94,10 @@ class ZenohParts:
         """The publishers that clients have opened."""
         return self._publishers.open
 
+    def refuse_unheard(self, remedy: str) -> None:
+        """Refuse messages of clients that the router keeps from subscriptions that it lists."""
+        self._publishers.remedy = remedy
+
     def count(self) -> int:
         """Count what clients have opened."""
         return len(self._publishers.open) + len(self.services) + len(self.actions)

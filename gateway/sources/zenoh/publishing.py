@@ -12,7 +12,7 @@ import zenoh
 from zenoh import ext
 
 from gateway.sources.qos import Endpoint, complete_offer, unmatched_subscribers
-from gateway.sources.source import Qos, TopicEvent
+from gateway.sources.source import Qos, RosError, TopicEvent
 from gateway.sources.zenoh.attachment import Attachment
 from gateway.sources.zenoh.events import other_versions
 from gateway.sources.zenoh.keys import NO_TYPE_HASH, DataKey
@@ -27,6 +27,7 @@ MAX_ONE_PART_BYTES: Final = 60 * 1024
 # Not express: each message would be a batch, and a router has room for two of this priority. Of a
 # burst, as of a link that was black, it would pass on the first commands and drop the zeros.
 URGENT: Final = zenoh.Priority.REAL_TIME
+LATE_S: Final = 3.0  # for the way of a subscription, which may come after its token
 HEARTBEAT_S: Final = 0.5  # by which a subscriber finds out that it missed the last message
 
 OnEvent = Callable[[TopicEvent], None]
@@ -68,6 +69,7 @@ class ZenohPublishers:
     ) -> None:
         self.session, self.node, self.graph, self.outgoing = session, node, graph, outgoing
         self.hash_of, self.urgent = hash_of, urgent
+        self.remedy: str | None = None  # if messages are refused that reach no subscription
         self.open: dict[ZenohPublisher, None] = {}
 
     def advertise(
@@ -119,11 +121,20 @@ class ZenohPublisher:
         self._found: frozenset[bytes] = frozenset()
         self._new_matches = 0
         self._reported: Sequence[TopicEvent] = ()
+        self._trial: Any = None
+        self._tried_s = 0.0
+        self._has_matched = False
         all_of_them.open[self] = None
         self._count()
 
     def publish(self, cdr: bytes) -> None:
-        """Publish one sample, encapsulation header included."""
+        """Publish one sample, encapsulation header included.
+
+        Raises:
+            RosError: ``forbidden``: the router keeps it from subscriptions that it lists.
+                ``limit_exceeded``: too much waits.
+        """
+        self._check_reach()
         self._put(cdr)
         self._kept.append(cdr)
 
@@ -146,6 +157,24 @@ class ZenohPublisher:
         except BaseException:
             self._sending -= 1
             raise
+
+    def _check_reach(self) -> None:
+        remedy = self._all.remedy
+        if remedy is None or self._has_matched or not self._found:
+            return
+        if self._trial is None:  # an advanced publisher does not know whether it is matched
+            self._trial = self._all.session.zenoh.declare_publisher(self.key.text)
+            self._tried_s = time.monotonic()
+        self._has_matched = bool(self._trial.matching_status.matching)
+        if self._has_matched:
+            self._end_trial()
+        elif time.monotonic() - self._tried_s > LATE_S:
+            raise RosError("forbidden", f"{self._subject}: the robot gets no message: {remedy}")
+
+    def _end_trial(self) -> None:
+        if self._trial is not None:
+            self._trial.undeclare()
+            self._trial = None
 
     @property
     def has_subscribers(self) -> bool:
@@ -197,6 +226,7 @@ class ZenohPublisher:
             self._put(each)
 
     def _withdraw(self) -> None:
+        self._end_trial()
         self._all.graph.remove(self._token)
         self._all.session.remove(self._token)
         if self._sending:
@@ -219,6 +249,8 @@ class ZenohPublisher:
             if each.key == self.key
         )
         self._new_matches += len(matching - self._found)
+        if not self._found:
+            self._has_matched = False
         self._found = matching
 
     def _unmatched(self) -> list[TopicEvent]:
