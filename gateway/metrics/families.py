@@ -54,6 +54,12 @@ event_loop_lag_seconds      lag                 \
 Lag of the event loop, measured four times a second.
 guard_up                    control.guard_is_ready  1 while the guard process is ready.
 guard_losses_total          control.guard_losses    Losses of the guard process.
+relayed_malformed_total     relayed.malformed       \
+Messages about driving between a relay and a robot that could not be read.
+relayed_tokens_refused_total  relayed.tokens_refused  \
+Clients of relays that came when there were too many to remember.
+relayed_dropped_total       relayed.dropped         \
+Messages about driving from relays that found no room.
 """
 _CLIENTS: Final = """
 client_operations_total           counts.operations  Operations that the client sent.

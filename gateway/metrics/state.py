@@ -92,6 +92,14 @@ class ControlState(NamedTuple):
     guard_losses: int
 
 
+class Relayed(NamedTuple):
+    """Messages about driving from another gateway, a relay or a robot, that were left out."""
+
+    malformed: int = 0
+    tokens_refused: int = 0
+    dropped: int = 0
+
+
 class ClientCounts(NamedTuple):
     """The counts of one client, or of several together."""
 
@@ -152,6 +160,7 @@ class Summary(NamedTuple):
     ends: Mapping[tuple[str, str, str], int]  # of connections, by who ended it, reason and code
     lag: Observed
     max_lag_s: float  # of the last seconds
+    relayed: Relayed = Relayed()
 
     @property
     def client_count(self) -> int:

@@ -9,6 +9,7 @@ import asyncio
 from collections.abc import Callable, Hashable, Iterator
 from typing import Final
 
+from gateway.core.commands.relayed_counts import RelayedCounts
 from gateway.core.commands.rules import named_topic, say_what_is_ignored
 from gateway.core.errors import NothingThereError, ProtocolError
 from gateway.core.names import TopicName, resolve_topic
@@ -54,6 +55,7 @@ class RemoteCommands:
     publishers = 0
 
     def __init__(self, usual: tuple[str, ...], open_link: OpenLink, types: TopicTypes) -> None:
+        self.relayed = RelayedCounts()
         self._types = types
         self._states = RobotStates(usual, self._name_of, self._listen)
         self._drivers: dict[Session, RemoteDriver] = {}

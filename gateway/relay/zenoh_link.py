@@ -57,7 +57,6 @@ class ZenohRobotLink:
         self._answers: deque[Callable[[], None]] = deque()  # one for each that is asked
         self._asked = 0
         self._is_closed = False
-        self.malformed = 0  # messages that no robot sends
         self._options: dict[str, Any] = {
             "priority": URGENT,  # before pictures
             "congestion_control": zenoh.CongestionControl.DROP,
@@ -200,7 +199,7 @@ class ZenohRobotLink:
         try:
             read()
         except WireError as error:
-            self.malformed += 1
+            self._commands.relayed.note_malformed()
             _log("a message that no robot sends is left out: %s", error)
 
 

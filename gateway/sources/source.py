@@ -25,22 +25,15 @@ History = Literal["keep_last", "keep_all"]
 LogLevel = Literal["debug", "info", "warning", "error"]
 
 
+RosErrorCode = Literal[
+    "bad_name", "bad_type", "type_conflict", "not_found", "forbidden", "limit_exceeded", "internal"
+]
+
+
 class RosError(Exception):
     """ROS refuses a request. ``code`` is the protocol's name of the reason."""
 
-    def __init__(
-        self,
-        code: Literal[
-            "bad_name",
-            "bad_type",
-            "type_conflict",
-            "not_found",
-            "forbidden",
-            "limit_exceeded",
-            "internal",
-        ],
-        reason: str,
-    ) -> None:
+    def __init__(self, code: RosErrorCode, reason: str) -> None:
         super().__init__(reason)
         self.code = code
 

@@ -88,4 +88,5 @@ def counts_of(found: Summary) -> dict[str, Any]:
         "dropped": totals.dropped_by_full_queue,
         "coalesced": totals.coalesced,
         "replaced": totals.replaced,
+        **{f"relayed_{name}": count for name, count in found.relayed._asdict().items()},
     }

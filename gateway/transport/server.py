@@ -162,6 +162,7 @@ class Server:
             ends=counters.ends.copy(),
             lag=counters.lag.observed(),
             max_lag_s=counters.max_lag_s,
+            relayed=self._router.commands.relayed.read(),
         )
 
     def state(self) -> State:

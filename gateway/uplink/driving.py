@@ -86,7 +86,7 @@ class RemoteDrivers:
         self._clients: dict[str, RemoteSession] = {}
         self._tokens: set[str] = set()
         self._unknown = TokenBucket(UNKNOWN_PER_S, 1, now_ns())
-        self.malformed = 0  # messages that no relay sends
+        self.counts = router.commands.relayed
         self._new_epoch()
         self._observer = ControlObserver(router, identity, self.tell_states)
 
@@ -176,6 +176,8 @@ class RemoteDrivers:
             return
         if len(self._tokens) < MAX_TOKENS:
             self._tokens.add(client)
+        elif client not in self._tokens:
+            self.counts.refuse_token()
         if session is not None:
             session.follow_token(is_there=True)
 
@@ -312,7 +314,7 @@ class RemoteDrivers:
         return Told(epoch=epoch, time_ns=time_ns, topics=topics, events=events)
 
     def _note_malformed(self, error: WireError) -> None:
-        self.malformed += 1
+        self.counts.note_malformed()
         logger.warning("a message that no relay sends is left out: %s", error, extra=OF_RELAYS)
 
 

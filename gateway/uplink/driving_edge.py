@@ -58,7 +58,6 @@ class DrivingEdge:
         self._has_missed_tokens = False
         self._is_connected = True
         self._is_closed = False
-        self.dropped = 0
         self._waker = LoopWaker(loop, self._take)
         self._outgoing = Outgoing()  # a relay that reads nothing must not hold up the loop
         options = {"priority": URGENT, "congestion_control": zenoh.CongestionControl.DROP}
@@ -103,14 +102,14 @@ class DrivingEdge:
 
     def _on_command(self, sample: Any) -> None:
         if len(sample.payload) > MAX_COMMAND_BYTES or len(self._commands) >= MAX_WAITING:
-            self.dropped += 1
+            self.drivers.counts.drop()
         if len(sample.payload) <= MAX_COMMAND_BYTES:
             self._commands.append((str(sample.key_expr), sample.payload.to_bytes()))
             self._waker.wake()
 
     def _on_operation(self, query: Any) -> None:
         if self._is_closed or len(self._operations) >= MAX_WAITING:
-            self.dropped += 1
+            self.drivers.counts.drop()
             query.drop()  # its relay finds out at once
             return
         self._operations.append(query)
@@ -127,6 +126,7 @@ class DrivingEdge:
     def _on_token(self, sample: Any) -> None:
         if len(self._tokens) >= MAX_WAITING_TOKENS:
             self._has_missed_tokens = True  # perhaps that a client is gone
+            self.drivers.counts.drop()
         else:
             self._tokens.append((str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT))
         self._waker.wake()

@@ -13,6 +13,7 @@ from gateway.metrics.state import (
     ControlState,
     Delivery,
     DriveState,
+    Relayed,
     State,
     Summary,
     TopicState,
@@ -60,6 +61,7 @@ def summary(**changed: Any) -> Summary:
         ends={("client", "closed", "1000"): 2},
         lag=NOTHING_OBSERVED,
         max_lag_s=0.001,
+        relayed=Relayed(malformed=3, tokens_refused=4, dropped=5),
     )
     return state._replace(**changed)
 

@@ -46,6 +46,9 @@ def test_the_values_of_a_state_are_read_back():
     assert read["ros2_gateway_clients",] == 1
     assert read["ros2_gateway_ros_entities",] == 2
     assert read["ros2_gateway_tasks",] == 4
+    assert read["ros2_gateway_relayed_malformed_total",] == 3
+    assert read["ros2_gateway_relayed_tokens_refused_total",] == 4
+    assert read["ros2_gateway_relayed_dropped_total",] == 5
     assert read["ros2_gateway_drive_guarded", "topic=/cmd_vel"] == 1
     assert read["ros2_gateway_client_latency_seconds_count", "client=10.0.0.0#0"] == 0
     assert read["ros2_gateway_client_link_bytes_per_second", "client=10.0.0.0#0"] == 50_000

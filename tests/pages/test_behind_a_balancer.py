@@ -59,4 +59,4 @@ async def test_the_robot_is_driven_and_stopped(place, open_page):
         await page.click("#stop")
         await until_it_is(state="stopped", cause="stop")
         await page.keyboard.up("ArrowLeft")
-        await until(page, "() => notice.textContent === 'The gateway stopped /cmd_vel.'")
+        await until(page, "() => control.textContent.startsWith('Stopped')")

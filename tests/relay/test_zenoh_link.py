@@ -102,7 +102,7 @@ async def test_operations_under_way_and_messages_of_a_robot_are_limited(
     caplog.handler.addFilter(limit := LogRate())
     line.link._take()
     caplog.handler.removeFilter(limit)
-    assert line.link.malformed == MAX_WAITING
+    assert line.link._commands.relayed.malformed == MAX_WAITING
     assert caplog.text.count("a message that no robot sends is left out") == BURST
 
 

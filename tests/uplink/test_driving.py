@@ -298,6 +298,7 @@ async def test_a_client_whose_token_does_not_come_leaves(relay: Relay):
     assert relay.drivers.clients == 0
     for number in range(MAX_TOKENS + 1):
         relay.see(f"d/{number}")
+    assert relay.drivers.counts.tokens_refused == 1
     relay.operate("enter", f"d/{MAX_TOKENS - 1}")
     relay.operate("enter", f"d/{MAX_TOKENS}")  # whose token is one too many
     relay.operate("enter", "e/1")
@@ -334,7 +335,7 @@ async def test_a_flood_of_malformed_messages_writes_few_lines_of_each_kind(relay
                 relay.drivers.operate(b"x" * number)
     finally:
         caplog.handler.removeFilter(limit)
-    assert relay.drivers.malformed == 2000
+    assert relay.drivers.counts.malformed == 2000
     assert len(caplog.records) == BURST
 
 
@@ -343,7 +344,7 @@ async def test_a_flood_of_commands_is_dropped_unread(relay: Relay):
     relay.stands_ns = time.monotonic_ns()
     for _ in range(MAX_COMMANDS_AT_ONCE + 9):
         relay.drivers.command(f"cmd/{CLIENT}", b"")
-    assert relay.drivers.malformed == MAX_COMMANDS_AT_ONCE
+    assert relay.drivers.counts.malformed == MAX_COMMANDS_AT_ONCE
 
 
 async def test_commands_of_clients_that_are_not_known_are_answered_at_a_limited_rate(relay: Relay):
@@ -364,7 +365,7 @@ async def test_malformed_messages_are_counted_and_reported(relay: Relay, caplog)
         relay.drivers.command(f"cmd/{CLIENT}", data)
     relay.drivers.command("cmd/../..", b"")
     relay.drivers.follow_token("client/x", is_there=True)
-    assert relay.drivers.malformed == 12
+    assert relay.drivers.counts.malformed == 12
     assert "a message that no relay sends is left out: command" in caplog.text
 
 

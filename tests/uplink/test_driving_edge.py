@@ -237,11 +237,11 @@ async def test_waiting_messages_are_bounded_and_counted(edge: DrivingEdge, scene
             Arrived.dropped += 1
 
     edge._on_command(Arrived(MAX_COMMAND_BYTES + 1))
-    assert (edge.dropped, len(edge._commands)) == (1, 0)
+    assert (edge.drivers.counts.dropped, len(edge._commands)) == (1, 0)
     for _ in range(MAX_WAITING + 1):
         edge._on_command(Arrived())
         edge._on_operation(Arrived())
-    assert edge.dropped == 3
+    assert edge.drivers.counts.dropped == 3
     assert (len(edge._commands), len(edge._operations)) == (MAX_WAITING, MAX_WAITING)
     assert Arrived.dropped == 1
     edge._operations.clear()

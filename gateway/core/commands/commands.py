@@ -10,6 +10,7 @@ from typing import Final, cast
 from gateway.access.audit import Audit
 from gateway.config.control import ControlConfig
 from gateway.core.commands.command_topic import CommandTopic
+from gateway.core.commands.relayed_counts import RelayedCounts
 from gateway.core.commands.rules import check_type, named_topic, say_what_is_ignored
 from gateway.core.commands.twist_values import read
 from gateway.core.errors import NothingThereError, ProtocolError, unknown_topic
@@ -55,6 +56,7 @@ class Commands:
         events: TopicEvents,
         types: TopicTypes,
     ) -> None:
+        self.relayed = RelayedCounts()
         self._ros = ros
         self._types = types
         self._guard = guard

@@ -4,6 +4,7 @@
 from collections.abc import Callable, Hashable, Iterator
 from typing import Protocol
 
+from gateway.core.commands.relayed_counts import RelayedCounts
 from gateway.core.names import TopicName
 from gateway.core.requests import (
     AcquireControl,
@@ -24,6 +25,8 @@ class CommandTopics(Protocol):
 
     An operation may raise ProtocolError or RosError, and is answered later or at once.
     """
+
+    relayed: RelayedCounts
 
     def __contains__(self, topic: TopicName) -> bool:
         """Return whether a topic moves a robot."""

@@ -96,7 +96,7 @@ class ZenohParts:
 
     def refuse_unheard(self, remedy: str) -> None:
         """Refuse messages of clients that the router keeps from subscriptions that it lists."""
-        self._publishers.remedy = remedy
+        self._publishers.refuse_unheard(remedy)
 
     def count(self) -> int:
         """Count what clients have opened."""

@@ -81,6 +81,10 @@ class ZenohPublishers:
         key = self.session.data_key(topic, type_name, type_hash)
         return ZenohPublisher(self, key, own_hash, qos, on_event)
 
+    def refuse_unheard(self, remedy: str) -> None:
+        """Refuse messages that the router keeps from subscriptions that it lists."""
+        self.remedy = remedy
+
     def type_of(self, topic: str) -> str | None:
         """Return the type of an open publisher on a topic, if there is one."""
         return next((each.key.type_name for each in self.open if each.key.name == topic), None)
