@@ -426,6 +426,30 @@ async def test_a_slash_leads_to_the_search_but_in_a_text_it_is_a_slash(demo, ope
         assert await page.input_value("#search") == "imu"
 
 
+async def test_keys_lead_from_the_search_to_what_it_finds(demo, open_page):
+    """The down arrow to the first row, and Enter to the first name, in the list that is shown."""
+    async with open_page(f"{page_address(demo)}#card=none") as page:
+        await page.wait_for_selector("#topics li[data-topic='/odom']")
+        await page.focus("#search")
+        for key in ("Enter", "ArrowDown"):  # Enter opens nothing that nobody has searched
+            await page.keyboard.press(key)
+        first = "() => document.activeElement.closest('#topics')?.querySelector('button, summary')"
+        assert await page.evaluate(f"() => document.activeElement === ({first})()")
+        assert await page.locator("article").count() == 0
+        await page.focus("#search")
+        await page.keyboard.type("ODOM")
+        await page.keyboard.press("Enter")
+        await page.wait_for_selector("article:has-text('/odom')")
+        await page.click("#tab-services")
+        await page.fill("#search", "/reset")
+        await page.press("#search", "ArrowDown")
+        text = "() => document.activeElement.textContent"
+        assert (await page.evaluate(text)).startswith("/reset")
+        await page.fill("#search", "nothing is named so")
+        await page.press("#search", "Enter")
+        assert await page.locator("article").count() == 1
+
+
 @pytest.mark.parametrize(
     ("topics", "frames", "robots"),
     [

@@ -17,6 +17,7 @@ import * as layouts from "./layouts.js";
 import { Measuring } from "./measuring.js";
 import { NameList } from "./name_list.js";
 import { RobotPicker } from "./robots.js";
+import { lead } from "./roving.js";
 import * as tabs from "./tabs.js";
 import { TopicList } from "./topic_list.js";
 import { isView, viewsFor } from "../views/views.js";
@@ -199,6 +200,7 @@ tabs.connect(find("tabs"), ({ id }) => {
   tab = id;
   counted(id, counts[id]);
 });
+lead(find("search"), () => find(tab.replace("tab", "panel")));
 find("scene").onclick = () => open("/", "scene");
 bar.connect(gateway, "debug", {
   figures: [figures.element, menu(say("layout.menu"), () => [...layouts.entries(), { label: say("tab.menu") }, ...desk.entries], say("layout.menu"))],

@@ -35,6 +35,22 @@ export function rove(list) {
   return settle;
 }
 
+/**
+ * Let keys lead from a search to what it has found: the down arrow goes to the first row, and Enter opens the first name.
+ * @param {HTMLInputElement} search
+ * @param {() => HTMLElement} list returns the list that is shown
+ */
+export function lead(search, list) {
+  search.addEventListener("keydown", (event) => {
+    const wanted = { ArrowDown: CONTROLS, Enter: search.value.trim() && "li > button" }[event.key];
+    const first = wanted && [...list().querySelectorAll(wanted)].find((each) => each.checkVisibility());
+    if (!first || event.isComposing) return;
+    event.preventDefault();
+    first.focus();
+    if (event.key === "Enter") first.click();
+  });
+}
+
 /** Return what a key leads to from a control of a list, if that is anywhere. @returns {HTMLElement|undefined} */
 function beside(list, control, key) {
   const seen = [...list.querySelectorAll(CONTROLS)].filter((each) => each.checkVisibility());
