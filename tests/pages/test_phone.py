@@ -66,6 +66,17 @@ async def test_the_list_stays_in_view_while_cards_above_it_grow(demo, open_page)
         await page.wait_for_function(f"() => !({IN_VIEW})()")
 
 
+async def test_a_finger_can_hide_a_curve_of_a_plot(demo, open_page):
+    plotted = "#card=plot+0+/odom+twist.twist.linear.x+twist.twist.angular.z"
+    async with open_page(page_address(demo) + plotted, **PHONES) as page:
+        names = page.locator(".plot .u-label[aria-pressed]")
+        await names.nth(1).wait_for()
+        for at in (0, 1):
+            assert (await names.nth(at).bounding_box())["height"] >= 32
+        await names.nth(1).tap()
+        await page.wait_for_selector(".plot .u-label[aria-pressed=false]:has-text('angular')")
+
+
 async def test_a_desk_has_them_at_the_top(demo, open_page):
     async with open_page(page_address(demo), viewport=DESK) as page:
         await page.wait_for_selector("[data-state=open]")
