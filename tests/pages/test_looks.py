@@ -147,6 +147,35 @@ async def test_another_theme_recolours_the_map_of_the_drive_page(demo, open_page
         await until(page, f"about => ({COUNT})(about) > 20", about)
 
 
+READ = """() => {
+    const found = [];
+    const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (walk.nextNode()) {
+        if (!walk.currentNode.parentElement.closest("script, noscript, .menu, dialog")) {
+            found.push(walk.currentNode.data.trim());
+        }
+    }
+    for (const name of ["aria-label", "title", "placeholder"]) {
+        for (const each of document.querySelectorAll(`[${name}]`)) {
+            if (!each.closest(".menu, dialog")) found.push(each.getAttribute(name));
+        }
+    }
+    return found.filter(Boolean);
+}"""
+# what is the same in all languages: names, numbers with units, and signs
+SAME = r"STOP|ROS 2 gateway|\W+|/\S+|-?[\d.]+ ?(m/s|rad/s|\u00d7|Hz|%)?|(-?[\d.]+ (m/s|rad/s)(, | · )?)+(akku [\d.]+ [%V](, vähissä)?)?"
+
+
+async def test_the_drive_page_is_in_one_language(demo, open_page, evaluate):
+    words = (await evaluate(LANGUAGES))["fi"]
+    patterns = [re.sub(r"\\\{\w+\\\}", ".+", re.escape(each.strip())) for each in words.values()]
+    known = re.compile("|".join([*patterns, SAME]), re.DOTALL)
+    async with open_page(page_address(demo) + "drive", locale="fi-FI") as page:
+        await until(page, "words => control.textContent === words", words["control.stopped"])
+        await until(page, "() => document.querySelector('#world canvas, #camera canvas')")
+        assert [each for each in await page.evaluate(READ) if not known.fullmatch(each)] == []
+
+
 async def test_a_menu_is_used_by_keys_and_these_drive_nothing(demo, open_page):
     focus = "() => document.activeElement.innerText"
     async with open_page(page_address(demo) + "drive", script=NOTE_SENT) as page:

@@ -26,8 +26,6 @@ const LATE_MS = { map: 10_000, place: 2000 };
 // How long a phone and a gamepad shake: when the robot begins to move, and when something else than the driver has stopped it.
 const BEGIN_MS = 30;
 const STOPPED_MS = 250;
-const KEYS_HINT = find("hint").textContent;
-const GAMEPAD_HINT = "Gamepad: hold a shoulder button and push the left stick. B or circle stops. Let go to stop the robot.";
 
 const gateway = new Gateway();
 const camera = new Place(find("camera"), gateway);
@@ -58,7 +56,7 @@ const held = watch(find("stick"), find("knob"), (linear, angular) => driver.hold
 const gamepads = new Gamepads(held.push, {
   stop: () => find("stop").click(),
   changed: (isThere) => {
-    find("hint").textContent = isThere ? GAMEPAD_HINT : KEYS_HINT;
+    find("hint").textContent = isThere ? say("drive.hint.gamepad") : say("drive.hint.keys");
     find("hint").classList.toggle("always", isThere);
   },
 });
@@ -120,10 +118,10 @@ function told() {
   if (!command.isFree) letGo(); // it has to be pressed again
 }
 
-const showCamera = () => camera.show("No node publishes images.", [Picture, "camera"]);
+const showCamera = () => camera.show(say("drive.no.camera"), [Picture, "camera"]);
 
 function showWorld() {
-  world.show("No node publishes a map or a laser scan.", [MapView, "map"], [ScanView, "scan"]);
+  world.show(say("drive.no.world"), [MapView, "map"], [ScanView, "scan"]);
   if (!(world.view instanceof MapView) || world.view.overlays.length) return;
   world.view.overlays.push((plan, frame, robot) => trail.draw(plan, frame, robot), (plan, frame) => footprint.draw(plan, frame));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Aging } from "../shared/aging.js";
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { missing, named, published } from "../shared/named_topics.js";
 import { lasting, OF_SILENCE } from "../shared/passing.js";
 
@@ -95,7 +96,7 @@ export class Place {
       if (this.#failures.has(what)) this.#untell(this.#failures.get(what));
       this.#failures.delete(what);
     } catch (error) {
-      this.#failures.set(what, `Cannot show the data of the robot: ${error.message}.`);
+      this.#failures.set(what, say("drive.failed", { why: error.message }));
       this.#tell(this.#failures.get(what));
     }
   }

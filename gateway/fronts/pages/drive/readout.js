@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The speed of the robot and its battery, in a line over the camera.
 
+import { say } from "../shared/language.js";
 import { published } from "../shared/named_topics.js";
 
 const OLD_MS = 2000; // of the speed
@@ -57,13 +58,17 @@ export class Readout {
 }
 
 function speed({ linear, angular }) {
-  if (![linear.x, linear.y, angular.z].every(Number.isFinite)) return "speed unknown";
-  const sideways = Math.abs(linear.y) >= 0.005 ? `, ${linear.y.toFixed(2)} m/s to the left` : "";
-  return `${linear.x.toFixed(2)} m/s${sideways}, ${angular.z.toFixed(2)} rad/s`;
+  if (![linear.x, linear.y, angular.z].every(Number.isFinite)) return say("readout.unknown");
+  const sideways = Math.abs(linear.y) >= 0.005 ? `, ${say("readout.left", { speed: linear.y.toFixed(2) })}` : "";
+  return `${fixed(linear.x)} m/s${sideways}, ${fixed(angular.z)} rad/s`;
 }
+
+/** Return a number with two digits. None is 0, a little before and after. */
+const fixed = (value) => (Math.abs(value) < 0.005 ? 0 : value).toFixed(2);
 
 /** Return the charge in words, or else the voltage, or "". */
 function chargeOf({ percentage, voltage }) {
-  if (percentage >= 0 && percentage <= 1) return `battery ${Math.round(percentage * 100)} %${percentage < LOW ? ", low" : ""}`;
-  return Number.isFinite(voltage) ? `battery ${voltage.toFixed(1)} V` : "";
+  const charge = `${Math.round(percentage * 100)} %`;
+  if (percentage >= 0 && percentage <= 1) return percentage < LOW ? say("readout.low", { charge }) : say("readout.charge", { charge });
+  return Number.isFinite(voltage) ? say("readout.charge", { charge: `${voltage.toFixed(1)} V` }) : "";
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, span } from "./dom.js";
+import { say } from "./language.js";
 
 const LATE_MS = 1000;
 
@@ -30,7 +31,7 @@ export class Aging {
    */
   write(sources, isConnected) {
     const old = Object.entries(sources).filter(([word, its]) => its?.messages && (!isConnected || its.isOlder(this.#lateMs[word] ?? LATE_MS)));
-    this.#words.textContent = old.map(([word, its]) => `${word} ${span(its.ageMs)} old`).join(" · ");
+    this.#words.textContent = old.map(([word, its]) => say("age", { source: say(`source.${word}`), age: span(its.ageMs) })).join(" · ");
     this.#words.hidden = !old.length;
     this.#place.classList.toggle("stale", old.length > 0);
     if (old.length && this.#words.parentElement !== this.#place) this.#place.append(this.#words);

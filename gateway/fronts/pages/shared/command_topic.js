@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 import { sentence } from "./control_words.js";
+import { say } from "./language.js";
 import { isHeld } from "./stop_held.js";
 
 const STAMPED = "geometry_msgs/msg/TwistStamped";
 export const COMMAND_TYPES = ["geometry_msgs/msg/Twist", STAMPED];
 
 const LOST = {
-  closed: "Not connected. The gateway stops the robot that you drove.",
-  token: "Not connected. Enter a token.",
+  closed: say("control.closed"),
+  token: say("control.token"),
 };
 
 /** The topic that moves the robot, as the gateway guards it. */
@@ -76,8 +77,8 @@ export class CommandTopic {
 
   /** The words for the person who drives. */
   get words() {
-    if (this.#silentS) return `The gateway has not answered for ${this.#silentS} s. It stops the robot that you drove.`;
-    if (this.isForbidden) return "You may watch, but not drive.";
+    if (this.#silentS) return say("control.silent", { seconds: this.#silentS });
+    if (this.isForbidden) return say("control.forbidden");
     return this.state ? sentence(this.state) : this.#problem;
   }
 
@@ -148,11 +149,11 @@ export class CommandTopic {
 
   /** Why the gateway does not tell the state, in words. */
   #refusal({ code, message }) {
-    if (code === "not_found") return `${message}. See the setting control.topics of the gateway.`;
+    if (code === "not_found") return say("control.setting", { message });
     const [, names] = message.match(/name one of (.+)/) ?? [];
-    if (names === "none") return "No topic takes commands from this page.";
+    if (names === "none") return say("control.none");
     if (this.#wanted || !names) return message;
-    return `Several topics take commands, ${names}: name one in the address of this page, such as ${location.pathname}#command=${names.split(",")[0]}`;
+    return say("control.several", { names, address: `${location.pathname}#command=${names.split(",")[0]}` });
   }
 
   #hush(seconds) {
@@ -170,6 +171,6 @@ export class CommandTopic {
   }
 
   get #unheard() {
-    return `No node listens on ${this.#topic}, so there is nothing to drive. Start the robot.`;
+    return say("control.unheard", { topic: this.#topic });
   }
 }

@@ -1,39 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // The state of a command topic, as a person who drives reads it.
 
-const CAUSES = {
-  stop: "another client pressed STOP",
-  deadline: "commands stopped arriving",
-  disconnect: "the client that drove disconnected",
-  takeover: "another client took over",
-  lease: "control was lost",
-  permission: "this role may no longer drive",
-  invalid_value: "a command was invalid",
-  backlog: "commands arrived late",
-  guard: "the guard process ended or hung",
-  reader: "another node began to listen",
-  shutdown: "the gateway shut down",
-};
+import { say } from "./language.js";
 
-// The same, where this page is the cause.
-const OWN_CAUSES = { stop: "you pressed STOP", takeover: "you took over" };
+const CAUSES = ["stop", "deadline", "disconnect", "takeover", "lease", "permission", "invalid_value", "backlog", "guard", "reader", "shutdown"];
+const OWN_CAUSES = ["stop", "takeover"]; // where this page is the cause
 
 /** Return why the robot was stopped, for a `control` frame, or "" if it was told to stand. */
 export function reason({ cause, holder, isStopper }) {
   const isOwn = cause === "stop" ? isStopper : holder === "you";
-  return (isOwn && OWN_CAUSES[cause]) || (CAUSES[cause] ?? "");
+  if (isOwn && OWN_CAUSES.includes(cause)) return say(`cause.own.${cause}`);
+  return CAUSES.includes(cause) ? say(`cause.${cause}`) : "";
 }
 
 /** Return the sentence for a `control` frame. Its member `isStopper` is whether this page has pressed STOP. */
 export function sentence(frame) {
   const { state, tripped, holder, guard, clamped } = frame;
-  if (guard === "lost") return "Nothing moves because the guard process ended or hung. A new one is starting: wait, then press again.";
-  if (guard === "starting") return "Nothing moves yet because the guard process is starting. Wait a moment.";
-  if (holder === "other") return tripped ? "Stopped. Another client has control." : "Another client drives.";
-  if (state === "moving" && !tripped) return clamped ? "Driving, but the gateway limits the speed." : "Driving.";
+  if (guard === "lost") return say("control.guard.lost");
+  if (guard === "starting") return say("control.guard.starting");
+  if (holder === "other") return tripped ? say("control.other.tripped") : say("control.other");
+  if (state === "moving" && !tripped) return clamped ? say("control.limited") : say("control.driving");
   const why = reason(frame);
-  if (tripped) return `Stopped${why && `: ${why}`}. To drive on, let go of everything, then press again.`;
-  return why ? `Stopped: ${why}.` : "Stopped.";
+  if (tripped) return why ? say("control.tripped.why", { why }) : say("control.tripped");
+  return why ? say("control.stopped.why", { why }) : say("control.stopped");
 }
 
 /**
@@ -41,9 +30,9 @@ export function sentence(frame) {
  * @param {import("./gateway.js").Status} status
  */
 export function refusal({ code, msg }) {
-  if (code === "tripped" && msg.includes(" is stopped")) return "The robot was stopped. To drive on, let go of everything, then press again.";
+  if (code === "tripped" && msg.includes(" is stopped")) return say("control.refused");
   if (code === "stale_command" && msg.includes(" before a stop")) return "";
-  if (code === "stale_command") return "Your command arrived late and was not carried out, because the connection or this device is slow. Let go, then press again.";
+  if (code === "stale_command") return say("control.late");
   if (code !== "not_lease_holder") return msg;
   const [first] = msg.split(/; |: let go/);
   return `${first[0].toUpperCase()}${first.slice(1)}.`;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether a robot does what it is told, by its odometry and its log.
 
+import { say } from "./language.js";
+
 const STILL_MS = 1000; // so long a robot may take to begin
 const LOG_MS = 2000; // so old a warning may be that explains what the robot does now
 const STILL = { linear: 0.005, angular: 0.01 }; // m/s and rad/s that do not count as motion
@@ -52,14 +54,13 @@ export class Motion {
   get words() {
     const now = performance.now();
     if (this.#sinceMs === Infinity) return "";
-    if (this.#odometryMs === -Infinity) return "Commands go out, but there is no odometry that shows whether the robot moves.";
-    if (now - this.#odometryMs > STILL_MS) return "Commands go out, but odometry has stopped arriving.";
+    if (this.#odometryMs === -Infinity) return say("motion.unknown");
+    if (now - this.#odometryMs > STILL_MS) return say("motion.silent");
     if (now - Math.max(this.#sinceMs, this.#movedMs) < STILL_MS) return "";
     const { linear, angular } = this.#wish;
-    const stuck = "Commands go out, but the robot does not move:";
-    const reason = this.#reason && ` It says: ${this.#reason}`;
-    if (Math.abs(linear) <= MEASURED * this.#took.linear && Math.abs(angular) <= MEASURED * this.#took.angular) return `${stuck} an obstacle may be in its way.${reason}`;
-    const speeds = [linear && `${Math.abs(linear).toFixed(2)} m/s`, angular && `${Math.abs(angular).toFixed(2)} rad/s`];
-    return `${stuck} it may accept less than ${speeds.filter(Boolean).join(" and ")}.${reason}`;
+    const reason = this.#reason && ` ${say("motion.says", { reason: this.#reason })}`;
+    if (Math.abs(linear) <= MEASURED * this.#took.linear && Math.abs(angular) <= MEASURED * this.#took.angular) return say("motion.obstacle") + reason;
+    const speeds = { linear: `${Math.abs(linear).toFixed(2)} m/s`, angular: `${Math.abs(angular).toFixed(2)} rad/s` };
+    return say("motion.limit", { speeds: linear && angular ? say("motion.both", speeds) : speeds[linear ? "linear" : "angular"] }) + reason;
   }
 }

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which topic of each kind a page shows: the one that its address names after #, else the first that a node publishes.
 
+import { say } from "./language.js";
+
 const KINDS = {
-  camera: { what: "camera", types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"] },
-  map: { what: "map", types: ["nav_msgs/msg/OccupancyGrid"] },
-  scan: { what: "laser scan", types: ["sensor_msgs/msg/LaserScan"] },
-  odometry: { what: "odometry", types: ["nav_msgs/msg/Odometry"] },
-  battery: { what: "battery", types: ["sensor_msgs/msg/BatteryState"] },
-  cloud: { what: "point cloud", types: ["sensor_msgs/msg/PointCloud2"] },
-  description: { what: "robot description", types: ["std_msgs/msg/String"], ending: "robot_description" },
-  footprint: { what: "footprint", types: ["geometry_msgs/msg/PolygonStamped"], ending: "footprint" }, // other polygons are not the robot's
+  camera: { types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"] },
+  map: { types: ["nav_msgs/msg/OccupancyGrid"] },
+  scan: { types: ["sensor_msgs/msg/LaserScan"] },
+  odometry: { types: ["nav_msgs/msg/Odometry"] },
+  battery: { types: ["sensor_msgs/msg/BatteryState"] },
+  cloud: { types: ["sensor_msgs/msg/PointCloud2"] },
+  description: { types: ["std_msgs/msg/String"], ending: "robot_description" },
+  footprint: { types: ["geometry_msgs/msg/PolygonStamped"], ending: "footprint" }, // other polygons are not the robot's
 };
 const COMMAND = "command";
 const ALL = [...Object.keys(KINDS), COMMAND];
@@ -61,8 +63,8 @@ export function published(graph, kind) {
 export function missing(graph, kind) {
   const name = named(kind);
   if (!name || !graph.topics.size || published(graph, kind)) return ""; // before it is known what there is, nothing is missing
-  if (!graph.topics.get(name)?.publishers.length) return `The address of this page names ${name}, but no node publishes it.`;
-  return `The address of this page names ${name} as ${KINDS[kind].what}, but its type is ${graph.typeOf(name)}.`;
+  if (!graph.topics.get(name)?.publishers.length) return say("address.unpublished", { name });
+  return say("address.type", { name, kind: say(`kind.${kind}`), type: graph.typeOf(name) });
 }
 
 /**
@@ -85,9 +87,9 @@ export function tellWrong(gateway, tell, ...kinds) {
 function mistake() {
   const keys = [...address().keys()];
   const unknown = keys.filter((key) => !ALL.includes(key)).map((key) => JSON.stringify(key.slice(0, 80)));
-  if (unknown.length) return `The address has unknown names: ${unknown.join(", ")}. Use ${ALL.join(", ")}.`;
+  if (unknown.length) return say("address.unknown", { names: unknown.join(", "), all: ALL.join(", ") });
   const again = keys.find((key, at) => keys.indexOf(key) !== at);
-  if (again) return `The address names ${again} ${address().getAll(again).length} times. The first one counts.`;
+  if (again) return say("address.again", { name: again, count: address().getAll(again).length });
   const behind = [...new URLSearchParams(location.search).keys()].find((key) => ALL.includes(key));
-  return behind ? `The address has ${behind} after a question mark: write it after #.` : "";
+  return behind ? say("address.behind", { name: behind }) : "";
 }

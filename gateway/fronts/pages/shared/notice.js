@@ -2,6 +2,7 @@
 // The one sentence that a page shows to everybody, until what it says is over.
 
 import { element, find } from "./dom.js";
+import { say } from "./language.js";
 
 /** The subject of a notice: a command topic, or an unknown one. @typedef {{state: any, isDriving: boolean}} Command */
 
@@ -11,7 +12,7 @@ const untilDriving = ({ isDriving }) => isDriving;
 /** Return where it stands: above the page, so that it does not move a control under a finger. A click or Escape closes it. */
 export function notice() {
   addEventListener("keydown", ({ key }) => key === "Escape" && tell(""));
-  return element("p", { id: "notice", className: "notice", role: "alert", hidden: true, title: "Click or press Escape to close", onclick: () => tell("") });
+  return element("p", { id: "notice", className: "notice", role: "alert", hidden: true, title: say("notice.close"), onclick: () => tell("") });
 }
 
 /**

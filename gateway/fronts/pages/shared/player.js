@@ -2,6 +2,7 @@
 // The bar of a recording: play, pause, and a slider. Pages show it while the gateway plays one.
 
 import { clock, element } from "./dom.js";
+import { say } from "./language.js";
 import { tell } from "./notice.js";
 
 const NODE = "/rosbag2_player";
@@ -18,10 +19,10 @@ export function playerBar(gateway) {
   let stop = null; // the subscription
   let movedMs = -Infinity;
   const toggle = element("button", { type: "button" });
-  const slider = element("input", { type: "range", min: "0", step: "any", aria: { label: "Position in the recording" } });
+  const slider = element("input", { type: "range", min: "0", step: "any", aria: { label: say("play.position") } });
   const time = element("output", { className: "quiet" });
-  const rates = element("select", { aria: { label: "Speed" } }, ...RATES.map((rate) => element("option", { value: String(rate) }, `${rate}×`)));
-  const bar = element("section", { id: "player", className: "player", hidden: true, aria: { label: "Recording" } }, toggle, slider, time, rates);
+  const rates = element("select", { aria: { label: say("play.speed") } }, ...RATES.map((rate) => element("option", { value: String(rate) }, `${rate}×`)));
+  const bar = element("section", { id: "player", className: "player", hidden: true, aria: { label: say("play.bar") } }, toggle, slider, time, rates);
 
   const call = async (name, args = {}) => {
     try {
@@ -33,7 +34,7 @@ export function playerBar(gateway) {
   };
   const show = () => {
     const length = state.end - state.start;
-    toggle.textContent = state.paused ? "Play" : "Pause";
+    toggle.textContent = state.paused ? say("play.go") : say("play.pause");
     slider.max = String(length);
     if (performance.now() - movedMs > SETTLED_MS) slider.value = String(state.position - state.start);
     slider.setAttribute("aria-valuetext", clock(Number(slider.value)));

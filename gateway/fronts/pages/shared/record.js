@@ -2,10 +2,10 @@
 // The button that records the robot, and its panel: how much there is, a mark, and the end.
 
 import { bytes, clock, element } from "./dom.js";
+import { count, say } from "./language.js";
 import { tell } from "./notice.js";
 
 const MAX_TEXT = 200; // characters, as the gateway takes them
-const WORDS = { stopped: "Record", starting: "Starting", recording: "Recording", stopping: "Stopping" };
 
 /**
  * Return the button and its panel, which lies above the page. They hide from a role that may not record.
@@ -13,12 +13,12 @@ const WORDS = { stopped: "Record", starting: "Starting", recording: "Recording",
  */
 export function recorder(gateway) {
   let state = "stopped";
-  const button = element("button", { id: "record", type: "button", hidden: true }, WORDS.stopped);
+  const button = element("button", { id: "record", type: "button", hidden: true }, say("record.state.stopped"));
   const amount = element("p", { className: "quiet" });
   const text = element("input", { type: "text", maxLength: MAX_TEXT, required: true });
-  const mark = element("form", {}, element("label", {}, "Note ", text), element("button", { type: "submit" }, "Mark"));
-  const end = element("button", { type: "button" }, "Stop recording");
-  const panel = element("section", { id: "recorder", hidden: true, aria: { label: "Recorder" } }, amount, mark, end);
+  const mark = element("form", {}, element("label", {}, say("record.note"), text), element("button", { type: "submit" }, say("record.mark")));
+  const end = element("button", { type: "button" }, say("record.stop"));
+  const panel = element("section", { id: "recorder", hidden: true, aria: { label: say("record.panel") } }, amount, mark, end);
 
   const ask = async (action, more = {}) => {
     try {
@@ -35,16 +35,16 @@ export function recorder(gateway) {
   const show = (frame) => {
     if (frame.state === "stopped" && state !== "stopped") {
       open(false);
-      if (frame.why) tell(`The recording has ended: ${frame.why}`);
+      if (frame.why) tell(say("record.ended", { why: frame.why }));
     }
     ({ state } = frame);
     button.hidden = !frame.may_record;
     button.disabled = false;
-    button.textContent = WORDS[state];
+    button.textContent = say(`record.state.${state}`);
     button.dataset.state = state;
     end.disabled = state !== "recording";
     const missing = frame.dropped + frame.lost;
-    if (frame.recording) amount.textContent = `${frame.topics} topics, ${bytes(frame.bytes)}, ${clock(frame.duration_s)}${missing ? `, ${missing} messages missing` : ""}`;
+    if (frame.recording) amount.textContent = [count("list.topic", frame.topics), bytes(frame.bytes), clock(frame.duration_s), ...(missing ? [say("record.missing", { count: missing })] : [])].join(", ");
   };
   button.onclick = async ({ detail }) => {
     if (detail) button.blur(); // or the space bar would press it, and not STOP
@@ -57,7 +57,7 @@ export function recorder(gateway) {
   };
   end.onclick = async () => {
     const made = await ask("stop");
-    if (made && !made.why) tell(`Saved ${made.recording}, ${bytes(made.bytes)}, on the computer of the gateway.`);
+    if (made && !made.why) tell(say("record.saved", { name: made.recording, size: bytes(made.bytes) }));
   };
   const { id } = gateway.listen((frame) => frame.op === "record" && show(frame));
   gateway.on("state", ({ state: connection }) => {

@@ -4,6 +4,7 @@
 import { COMMAND_TYPES } from "./command_topic.js";
 import { element, find } from "./dom.js";
 import { isTaken } from "./keys.js";
+import { say } from "./language.js";
 import { tell } from "./notice.js";
 import { hold } from "./stop_held.js";
 
@@ -14,7 +15,7 @@ const SOON_MS = 500; // the gateway's deadline: by then it has stopped what this
  * @param {import("./gateway.js").Gateway} gateway
  */
 export function stopButton(gateway) {
-  const button = element("button", { id: "stop", className: "stop", type: "button", title: "Stop the robot, even if another client drives" }, "STOP");
+  const button = element("button", { id: "stop", className: "stop", type: "button", title: say("stop.about") }, "STOP");
   let isPressed = false; // by a pointer, which may have a click to come
   button.onpointerdown = ({ pointerId, button: which }) => { // a second finger makes no click
     isPressed = true;
@@ -50,13 +51,13 @@ export function stopBySpace({ where = window, isMoving = () => false } = {}) {
 const isIn = (target, selector) => target instanceof Element && target.closest(selector) !== null;
 
 async function stop(gateway) {
-  const late = setTimeout(() => tell("STOP is not confirmed, because the gateway has not answered yet."), SOON_MS);
+  const late = setTimeout(() => tell(say("stop.late")), SOON_MS);
   try {
     const { topics } = await gateway.stop();
-    if (topics.length) tell(`The gateway stopped ${topics.join(", ")}.`);
-    else tell("Nothing to stop: no command topic is in use.", ({ state }) => state !== null || isDriveable(gateway.graph));
+    if (topics.length) tell(say("stop.done", { topics: topics.join(", ") }));
+    else tell(say("stop.nothing"), ({ state }) => state !== null || isDriveable(gateway.graph));
   } catch (error) {
-    tell(`STOP ${error.isLost ? "is not confirmed" : "was not carried out"}: ${error.message}`);
+    tell(error.isLost ? say("stop.lost", { why: error.message }) : say("stop.refused", { why: error.message }));
   } finally {
     clearTimeout(late);
   }

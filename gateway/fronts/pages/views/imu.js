@@ -62,6 +62,10 @@ export class ImuView {
     }
     pen.stroke();
     pen.restore();
+    pen.strokeStyle = token("edge"); // the sky may be as light as the card
+    pen.beginPath();
+    pen.arc(0, 0, MIDDLE - 2, 0, 2 * Math.PI);
+    pen.stroke();
     pen.strokeStyle = token("warning"); // the robot, which stays as it is
     pen.lineWidth = 3;
     pen.beginPath();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { LiveMap } from "./live_map.js";
 import { MapTools } from "./map_tools.js";
 import { MAP_OPTIONS } from "./painter.js";
@@ -27,7 +28,7 @@ export class MapView {
 
   constructor(card) {
     this.#card = card;
-    this.#plan = new Plan(`map of ${card.topic}, seen from above`);
+    this.#plan = new Plan(say("map.label", { topic: card.topic }));
     const show = (message, painted) => this.#lay(message, painted);
     this.#live = new LiveMap(card, "this map", { check: ({ info }) => shapeOf(info), show });
     this.#live.follow(card.gateway, card.topic);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { Newest } from "./newest.js";
 
 /** The newest image, decoded on another thread. */
@@ -15,7 +16,7 @@ export class Picture {
    */
   constructor(card, shown = () => {}) {
     this.element = this.#canvas;
-    this.#canvas.setAttribute("aria-label", `image of ${card.topic}`);
+    this.#canvas.setAttribute("aria-label", say("image.label", { topic: card.topic }));
     this.#newest = new Newest(card, ({ format }) => `this image (${format})`, async (message) => {
       await this.#decode(message);
       shown(message);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { say } from "../shared/language.js";
 import { isHit, Plan } from "./plan.js";
 
 const HERE = { x: 0, y: 0, yaw: 0 };
@@ -12,7 +13,7 @@ export class ScanView {
   #plan;
 
   constructor(card) {
-    this.#plan = new Plan(`laser scan of ${card.topic}, seen from above`);
+    this.#plan = new Plan(say("scan.label", { topic: card.topic }));
     this.element = this.#plan.element;
   }
 

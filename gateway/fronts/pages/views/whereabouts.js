@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The places of the robot and its laser on a map, as far as ROS tells them.
 
+import { say } from "../shared/language.js";
 import { Arrivals } from "../shared/arrivals.js";
 import { published } from "../shared/named_topics.js";
 import { yawOf } from "./plan.js";
@@ -66,8 +67,8 @@ export class Whereabouts {
   get missing() {
     if (performance.now() - this.#sinceMs < MISSING_MS) return "";
     const words = [];
-    if (!this.robot) words.push(`${this.#unknown(BASES.join(" or "))}: the robot is not shown.`);
-    if (this.scan && !this.laser) words.push(`${this.#unknown(this.#laserFrame)}: the scan is not shown.`);
+    if (!this.robot) words.push(say("where.robot", this.#between(say("where.either", { first: BASES[0], second: BASES[1] }))));
+    if (this.scan && !this.laser) words.push(say("where.scan", this.#between(this.#laserFrame)));
     return words.join(" ");
   }
 
@@ -75,8 +76,9 @@ export class Whereabouts {
     for (const end of this.#ends) end();
   }
 
-  #unknown(frame) {
-    return `No transform says where ${frame || "a frame without a name"} is in ${this.#frame || "a map without a frame"}`;
+  /** Return the names of a frame and of that of the map. */
+  #between(frame) {
+    return { frame: frame || say("where.nameless"), map: this.#frame || say("where.frameless") };
   }
 
   #scanned(scan) {

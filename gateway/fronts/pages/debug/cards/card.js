@@ -55,7 +55,7 @@ export class Card {
     this.actions = actions;
     Object.assign(this, shown);
     this.controls = element("div", { className: "controls" });
-    const close = element("button", { type: "button", className: "ghost", aria: { label: `close ${label}` } }, "✕");
+    const close = element("button", { type: "button", className: "ghost", aria: { label: say("card.close", { label }) } }, "✕");
     close.onclick = () => actions.close(this);
     const more = menu(say("card.more", { label }), () => [...this.entries(), ...this.#places()]);
     const corner = element("span", { className: "corner" }, more, close);

@@ -3,6 +3,7 @@ import * as bar from "../../shared/bar.js";
 import { CommandTopic } from "../../shared/command_topic.js";
 import { element } from "../../shared/dom.js";
 import { Driver } from "../../shared/driver.js";
+import { say } from "../../shared/language.js";
 import { watch } from "../../shared/held.js";
 import { Card } from "./card.js";
 
@@ -19,13 +20,13 @@ export class DriveCard extends Card {
   #forgets;
 
   constructor(gateway, shown, actions) {
-    const title = `Drive ${shown.topic}`;
+    const title = say("drive.card", { topic: shown.topic });
     super(gateway, shown, actions, { label: title, title });
     const knob = element("div", { className: "knob" });
-    const stick = element("div", { className: "stick", tabIndex: 0, aria: { label: `Joystick of ${this.topic}: drag it, or use the arrow keys` } }, knob);
+    const stick = element("div", { className: "stick", tabIndex: 0, aria: { label: say("drive.stick.of", { topic: this.topic }) } }, knob);
     stick.setAttribute("role", "application");
     this.#stick = stick;
-    this.#take = element("button", { type: "button", hidden: true, aria: { label: `Take over ${this.topic}` } }, "Take over");
+    this.#take = element("button", { type: "button", hidden: true, aria: { label: say("drive.take.of", { topic: this.topic }) } }, say("drive.take"));
     this.#command = new CommandTopic(gateway, () => this.#write(), this.topic);
     const driver = new Driver(({ linear, angular }) => this.#command.publish(linear * MOST_M_S, angular * MOST_RAD_S));
     this.#take.onclick = () => this.#takeOver(driver);
@@ -33,7 +34,7 @@ export class DriveCard extends Card {
     this.#held = watch(stick, knob, (linear, angular) => driver.hold(linear, angular), stick);
     this.#forgets = ["state", "stopping"].map((each) => gateway.on(each, this.#held.letGo)); // a key that was held before belongs to another connection
     this.body.append(stick, this.#words, this.#take); // below: what is said moves no stick that is held
-    this.footer.textContent = `at most ${MOST_M_S} m/s and ${MOST_RAD_S} rad/s. The Drive page has more`;
+    this.footer.textContent = say("drive.limit", { linear: MOST_M_S, angular: MOST_RAD_S });
     this.#write();
   }
 
