@@ -163,16 +163,20 @@ READ = """() => {
     return found.filter(Boolean);
 }"""
 # what is the same in all languages: names, numbers with units, and signs
-SAME = r"STOP|ROS 2 gateway|\W+|/\S+|-?[\d.]+ ?(m/s|rad/s|\u00d7|Hz|%)?|(-?[\d.]+ (m/s|rad/s)(, | · )?)+(akku [\d.]+ [%V](, vähissä)?)?"
+SAME = (
+    r"STOP|ROS 2 gateway|Nav2|\W+|/\S+|-?[\d.]+ ?(m/s|rad/s|\u00d7|Hz|%)?"
+    r"|(-?[\d.]+ (m/s|rad/s)(, | · )?)+(akku [\d.]+ [%V](, vähissä)?)?"
+)
 
 
-async def test_the_drive_page_is_in_one_language(demo, open_page, evaluate):
+@pytest.mark.parametrize("path", ["drive", "lab"])
+async def test_a_page_is_in_one_language(demo, open_page, evaluate, path):
     words = (await evaluate(LANGUAGES))["fi"]
     patterns = [re.sub(r"\\\{\w+\\\}", ".+", re.escape(each.strip())) for each in words.values()]
     known = re.compile("|".join([*patterns, SAME]), re.DOTALL)
-    async with open_page(page_address(demo) + "drive", locale="fi-FI") as page:
+    async with open_page(page_address(demo) + path, locale="fi-FI") as page:
         await until(page, "words => control.textContent === words", words["control.stopped"])
-        await until(page, "() => document.querySelector('#world canvas, #camera canvas')")
+        await page.wait_for_selector("main canvas")
         assert [each for each in await page.evaluate(READ) if not known.fullmatch(each)] == []
 
 

@@ -2,6 +2,7 @@
 // From a target and odometry to commands, in steps: turn towards it, drive, turn again where the heading has drifted.
 // Pure: pose and time are arguments. It sees no obstacle. One that stops the robot ends it for want of progress.
 
+import { say } from "../shared/language.js";
 import { Pid } from "./pid.js";
 
 /** A TurtleBot3 Waffle Pi's, in m/s and rad/s. */
@@ -41,7 +42,7 @@ export class Approach {
 
   /** Drive to a point of the odometry's frame, in metres, from the next step on. */
   begin(x, y, now) {
-    if (!Number.isFinite(x + y + now)) return this.#end("failed", "the target is not finite");
+    if (!Number.isFinite(x + y + now)) return this.#end("failed", say("approach.infinite"));
     Object.assign(this.target, { x, y });
     this.#begun = this.#progressed = now;
     this.#allowed = NaN;
@@ -64,19 +65,19 @@ export class Approach {
   step(pose, poseTime, now) {
     if (!this.isActive) return this.#give(0, 0);
     if (!(now - poseTime <= STALE_S) || !Number.isFinite(pose.x + pose.y + pose.yaw)) {
-      return this.#end("failed", `no odometry for ${STALE_S} s`);
+      return this.#end("failed", say("approach.blind", { seconds: STALE_S }));
     }
     const [ahead, left] = [this.target.x - pose.x, this.target.y - pose.y];
     this.distance = Math.hypot(ahead, left);
     if (this.distance <= TOLERANCE_M) return this.#end("arrived", "");
-    if (this.distance > FARTHEST_M) return this.#end("failed", `the target is over ${FARTHEST_M} m away`);
+    if (this.distance > FARTHEST_M) return this.#end("failed", say("approach.far", { metres: FARTHEST_M }));
     if (Number.isNaN(this.#allowed)) this.#allowed = SPARE_S + (3 * this.distance) / MOST.linear;
-    if (now - this.#begun > this.#allowed) return this.#end("failed", `not there after ${Math.round(now - this.#begun)} s`);
+    if (now - this.#begun > this.#allowed) return this.#end("failed", say("approach.late", { seconds: Math.round(now - this.#begun) }));
     const turn = wrapped(Math.atan2(left, ahead) - pose.yaw);
     if (this.state === "turning") this.#face(turn, now);
     else this.#drive(turn, now);
     if (this.#isNearer()) this.#progressed = now;
-    if (now - this.#progressed > STUCK_S) return this.#end("failed", `no progress for ${STUCK_S} s, ${this.distance.toFixed(2)} m from the target`);
+    if (now - this.#progressed > STUCK_S) return this.#end("failed", say("approach.stuck", { seconds: STUCK_S, metres: this.distance.toFixed(2) }));
     return this.#command;
   }
 

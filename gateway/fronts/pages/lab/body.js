@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The body of the robot: that of its description, or a simple one until it comes. An arrow on the floor shows its front.
 
+import { say } from "../shared/language.js";
 import { BoxGeometry, BufferGeometry, CylinderGeometry, Group, Mesh, MeshBasicMaterial, Vector3 } from "../vendor/three.js";
 import { RobotModel } from "../scene/robot_model.js";
 
@@ -58,7 +59,7 @@ export class Body {
 
   /** Why a part of the description is not shown, in words, or "". */
   get problem() {
-    return this.#model?.problems[0] ? `A part of the robot is not shown: ${this.#model.problems[0]}` : "";
+    return this.#model?.problems[0] ? say("lab.part", { why: this.#model.problems[0] }) : "";
   }
 
   /**

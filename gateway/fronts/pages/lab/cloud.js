@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The points of a depth camera or a lidar in the room, where the transforms say.
 
+import { say } from "../shared/language.js";
 import { Group } from "../vendor/three.js";
 import { CloudDisplay } from "../scene/cloud.js";
 import { asRos } from "./floor.js";
@@ -19,7 +20,7 @@ export class Cloud {
   /** @param {import("../shared/gateway.js").Gateway} gateway */
   constructor(gateway) {
     this.world.add(this.#holder);
-    this.#placement = new Placement(gateway, "the point cloud is hidden", PLACE_HZ, (transform) => this.#place(transform));
+    this.#placement = new Placement(gateway, say("hidden.cloud"), PLACE_HZ, (transform) => this.#place(transform));
     const hold = (frame) => {
       this.#placement.of(frame);
       return this.#holder;

@@ -3,6 +3,7 @@
 // Trigger or pinch: a target. Squeeze, or a pinch of the left hand: stop.
 // Stick pushed ahead or pressed, touchpad pressed, or thumb and middle finger closed: teleport, when let go.
 
+import { say } from "../shared/language.js";
 import {
   BoxGeometry, BufferGeometry, Line, LineBasicMaterial, Mesh, Raycaster, SphereGeometry, Vector3,
 } from "../vendor/three.js";
@@ -48,7 +49,7 @@ export class Controllers {
   /** Send the robot, unless one hand holds what stops it. */
   #target(hand, ray) {
     this.#sender = hand;
-    if (this.#hands.some((each) => each.isStopping)) this.#to.refuse("A hand squeezes, which stops the robot: release it first.");
+    if (this.#hands.some((each) => each.isStopping)) this.#to.refuse(say("lab.squeezed"));
     else this.#to.target(ray);
   }
 

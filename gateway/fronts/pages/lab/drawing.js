@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether the room is drawn: a browser takes WebGL away from a page, and may give it back. three.js then draws as before.
 
+import { say } from "../shared/language.js";
 import { element } from "../shared/dom.js";
 
-const WORDS = "The room is not drawn because the browser stopped WebGL. Wait, or load this page again.";
+const WORDS = say("lab.undrawn");
 
 /** Says in the view that the room is not drawn. */
 export class Drawing {

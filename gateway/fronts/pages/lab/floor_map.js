@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The robot's map on the floor of the room, as far as ROS says where it is to the odometry.
 
+import { say } from "../shared/language.js";
 import { Group, Mesh, MeshBasicMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace, Texture } from "../vendor/three.js";
 import { LiveMap } from "../views/live_map.js";
 import { insist, yawOf } from "../views/plan.js";
@@ -97,12 +98,12 @@ export class FloorMap {
     const { resolution, width, height } = this.#message.info;
     const { x, y } = this.#cornerOf(place);
     const [column, row] = [Math.floor(x / resolution), Math.floor(y / resolution)];
-    if (column < 0 || row < 0 || column >= width || row >= height) return "The map ends before that place: point at a free place on the map.";
+    if (column < 0 || row < 0 || column >= width || row >= height) return say("floor.end");
     const [cells, columns] = [this.#cells, Math.ceil(width / this.#cells)];
     const value = this.#values[Math.floor(row / cells) * columns + Math.floor(column / cells)];
-    if (value >= OCCUPIED) return "The map shows an obstacle there: point at a free place.";
-    if (this.hides(from, place)) return "A wall or an obstacle is before that place: point at it from another side.";
-    return value < 0 ? "The map does not know that place: point at a free place." : "";
+    if (value >= OCCUPIED) return say("floor.obstacle");
+    if (this.hides(from, place)) return say("floor.hidden");
+    return value < 0 ? say("floor.unknown") : "";
   }
 
   #lay(message, { bitmap, cells, values }) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Into VR and out of it, or why VR is not available, in words.
 
+import { say } from "../shared/language.js";
+
 /**
  * Make a button enter VR and leave it.
  * @param {import("../vendor/three.js").WebXRManager} xr
@@ -20,10 +22,10 @@ export async function connectHeadset(xr, button, note, tell) {
       session.addEventListener("end", ended);
       tell.began();
       await xr.setSession(session);
-      button.textContent = "Leave VR";
+      button.textContent = say("vr.leave");
       note.textContent = "";
     } catch (error) {
-      note.textContent = `VR did not start: ${error.message}`;
+      note.textContent = say("vr.failed", { why: error.message });
       await session?.end().catch(() => {}); // it may have ended by itself
     }
     button.disabled = false;
@@ -31,7 +33,7 @@ export async function connectHeadset(xr, button, note, tell) {
 
   function ended() {
     session = null;
-    button.textContent = "Enter VR";
+    button.textContent = say("vr.enter");
     tell.ended();
   }
 
@@ -45,8 +47,8 @@ export async function connectHeadset(xr, button, note, tell) {
 const system = () => Reflect.get(navigator, "xr");
 
 async function whyNot() {
-  if (!isSecureContext) return "VR needs https: start the gateway with --tls-port, and open this page by https.";
-  if (!system()) return "This browser has no WebXR.";
+  if (!isSecureContext) return say("vr.secure");
+  if (!system()) return say("vr.none");
   const isThere = await system().isSessionSupported("immersive-vr").catch(() => false);
-  return isThere ? "" : "No headset is connected to this browser.";
+  return isThere ? "" : say("vr.unconnected");
 }

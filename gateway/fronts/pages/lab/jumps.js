@@ -2,6 +2,7 @@
 // Poses that no drive explains: odometry that was reset, or that is out of its mind. The target is another place then.
 // Pure: pose and time are arguments.
 
+import { say } from "../shared/language.js";
 import { MOST, STALE_S, wrapped } from "./approach.js";
 
 const FASTER = 1.5; // than its commands a robot may be, downhill or by its odometry's faults
@@ -25,8 +26,8 @@ export class Jumps {
     const turned = Math.abs(wrapped(yaw - this.#before.yaw));
     this.#before = { x, y, yaw };
     this.#time = time;
-    if (moved > MOST.linear * seconds) return `the odometry jumped by ${moved.toFixed(2)} m`;
-    if (turned > MOST.angular * seconds) return `the odometry turned by ${Math.round((turned * 180) / Math.PI)} degrees at once`;
+    if (moved > MOST.linear * seconds) return say("jump.moved", { metres: moved.toFixed(2) });
+    if (turned > MOST.angular * seconds) return say("jump.turned", { degrees: Math.round((turned * 180) / Math.PI) });
     return "";
   }
 }

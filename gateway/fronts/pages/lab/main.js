@@ -30,7 +30,7 @@ import { Television } from "./television.js";
 import { Twin } from "./twin.js";
 import { Viewer } from "./walk.js";
 
-const BEYOND = `That is beyond the walls, ${HALF_M} m from the middle of the room: point at a place inside.`;
+const BEYOND = say("lab.beyond", { metres: HALF_M });
 const DRIVING = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] };
 
 const gateway = new Gateway();
@@ -45,7 +45,7 @@ const cloud = new Cloud(gateway);
 const motion = new Motion();
 const television = new Television(bar.tell);
 const screens = {
-  state: new Screen("Robot"), topic: new Screen("Topic"), commands: new Screen("Commands"), log: new Screen("Log"),
+  state: new Screen(say("screen.robot")), topic: new Screen(say("screen.topic")), commands: new Screen(say("screen.commands")), log: new Screen(say("screen.log")),
 };
 const hung = [television.mesh, ...Object.values(screens).map(({ mesh }) => mesh)];
 const sight = new Sight(() => [...hung, ...room.walls], (ray, end) => map.hides(entry(ray, HIGH_M), toRos(end)));
@@ -70,8 +70,8 @@ lab.pilot = pilot;
 pilot.navigation = new Navigation(gateway, (words) => pilot.navigated(words));
 gateway.on("state", ({ state }) => {
   isConnected = state === "open";
-  letGoOfAll("the connection was lost");
-  if (isConnected) pilot.forbid(gateway.hello.role === "viewer" ? "its role is viewer" : ""); // of other roles a refusal tells
+  letGoOfAll(say("end.connection"));
+  if (isConnected) pilot.forbid(gateway.hello.role === "viewer" ? say("lab.viewer") : ""); // of other roles a refusal tells
 });
 gateway.on("status", ({ code, request, msg }) => code === "forbidden" && request === "publish" && pilot.forbid(msg));
 const command = new CommandTopic(gateway, told, namedCommand()); // after that: what is lost first is the connection
@@ -84,7 +84,7 @@ const controllers = renderer && new Controllers(renderer.xr, viewer.rig, room, {
   target: point,
   refuse: (why) => pilot.stop(why),
   stop: pressStop,
-  gone: () => letGoOfAll("a controller is gone"),
+  gone: () => letGoOfAll(say("end.controller")),
   stand,
   teleport: go,
 });
@@ -106,18 +106,18 @@ function furnish() {
 
 /** Return what draws, or null where there is no WebGL. */
 function begin() {
-  const label = "Room with the robot. Enter sends it to the middle of the view";
+  const label = say("lab.label");
   const canvas = element("canvas", { tabIndex: 0, role: "application", aria: { label } });
   let made;
   try {
     made = new WebGLRenderer({ canvas, antialias: devicePixelRatio < 2 });
   } catch (error) {
-    find("view").prepend(element("p", {}, `This browser cannot draw the room with WebGL: ${error.message}`));
+    find("view").prepend(element("p", {}, say("lab.webgl", { why: error.message })));
     return null;
   }
   find("view").prepend(canvas);
   drawing = new Drawing(canvas, () => {
-    letGoOfAll("the room is no longer drawn");
+    letGoOfAll(say("end.undrawn"));
     made.xr.getSession()?.end(); // which shows nothing either, and does not come back
   });
   made.setPixelRatio(Math.min(devicePixelRatio, 2));
@@ -137,12 +137,12 @@ function begin() {
   });
   connectHeadset(made.xr, find("vr"), find("vr-note"), {
     began: () => {
-      letGoOfAll("VR began");
+      letGoOfAll(say("end.vr.began"));
       viewer.isWorn = true;
     },
-    unseen: () => letGoOfAll("the headset shows something else"),
+    unseen: () => letGoOfAll(say("end.unseen")),
     ended: () => {
-      letGoOfAll("VR was left");
+      letGoOfAll(say("end.vr.left"));
       viewer.isWorn = false;
       viewer.goHome(); // the headset may have gone anywhere
     },
@@ -172,7 +172,7 @@ function render() {
 /** Send the robot to where a ray meets the floor. If it meets the screen of any topic, show the next one there. */
 function point(raycaster) {
   if (drawing.refusal) return pilot.stop(drawing.refusal);
-  if (isHeld()) return pilot.stop("STOP is held: release it first.");
+  if (isHeld()) return pilot.stop(say("lab.held"));
   const thing = sight.thing(raycaster);
   if (thing === screens.topic.mesh) return next();
   const refusal = refusalOf(raycaster.ray, thing);
@@ -190,7 +190,7 @@ function goal() {
 /** Put into `place` where a ray meets the floor, unless it meets a thing first. Return why the robot cannot be sent there, or "". */
 function refusalOf(ray, thing) {
   if (room.walls.includes(thing)) return BEYOND;
-  if (thing || !meet(ray, place)) return "There is no floor: point at a place on it.";
+  if (thing || !meet(ray, place)) return say("lab.floorless");
   if (map.world.visible) return map.refusal(toRos(place), entry(ray, HIGH_M));
   return Math.max(Math.abs(place.x), Math.abs(place.z)) < HALF_M ? "" : BEYOND;
 }
@@ -235,7 +235,7 @@ function told() {
 /** The present motion of the robot, in words that fit those about the approach. */
 function doing() {
   const { state, guard } = command.state ?? {};
-  if (pilot.isActive && guard === "ready" && state !== "moving") return "About to move.";
+  if (pilot.isActive && guard === "ready" && state !== "moving") return say("lab.about");
   return (command.isDriving && motion.words) || command.words;
 }
 
@@ -246,9 +246,9 @@ function showState() {
   age.write({ camera: sources.arrivals("camera"), odometry: sources.arrivals("odometry"), scan: sources.arrivals("scan") }, isConnected);
   const { x, y, yaw } = twin.pose;
   const heading = Math.round((yaw * 180) / Math.PI);
-  const where = sources.arrivals("odometry") ? `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m\nheading ${heading} degrees` : "place unknown";
+  const where = sources.arrivals("odometry") ? say("lab.place", { x: x.toFixed(2), y: y.toFixed(2), heading }) : say("lab.unknown");
   const lines = [find("state").textContent, words, pilot.words, age.words, where, sources.missing];
-  screens.state.show("Robot", lines.join("\n"));
+  screens.state.show(say("screen.robot"), lines.join("\n"));
 }
 
 /** Write words where they are read out: only when they have changed. */
@@ -278,7 +278,7 @@ function next() {
 gateway.on("graph", () => {
   const isThere = Boolean(pilot.navigation.action);
   find("ways").hidden = !isThere && !pilot.isNavigating; // only the user chooses blind driving
-  if (!isThere && pilot.navigation.isActive) pilot.end("Nav2 is not available any more");
+  if (!isThere && pilot.navigation.isActive) pilot.end(say("end.nav2"));
   sources.watch({ pilot, motion, television, log: screens.log, logged: (line) => motion.log(line, command.name) });
   if (!topic && sources.favourite) read(sources.favourite);
   else listTopics();
@@ -290,14 +290,14 @@ find("home").onclick = () => {
 };
 /** Let this page or Nav2 drive to the targets. */
 function choose(way) {
-  pilot.end("another way to drive was chosen");
+  pilot.end(say("end.way"));
   pilot.isNavigating = way === "nav2";
   find("way").value = way;
 }
 
 find("way").onchange = () => choose(find("way").value);
 find("topic").onchange = () => read(find("topic").value); // which keeps the focus: the next arrow key is not for the robot
-gateway.on("stopping", () => letGoOfAll("STOP was pressed"));
+gateway.on("stopping", () => letGoOfAll(say("end.stop")));
 find("take").onclick = async () => {
   try {
     await command.acquire();
@@ -307,9 +307,9 @@ find("take").onclick = async () => {
   }
 };
 bar.stopBySpace({ isMoving: () => pilot.isActive || command.state?.state === "moving" });
-addEventListener("blur", () => letGoOfAll("the window lost the focus"));
-addEventListener("pagehide", () => letGoOfAll("the page was left"));
-document.addEventListener("visibilitychange", () => document.hidden && letGoOfAll("the page is hidden"));
+addEventListener("blur", () => letGoOfAll(say("end.focus")));
+addEventListener("pagehide", () => letGoOfAll(say("end.left")));
+document.addEventListener("visibilitychange", () => document.hidden && letGoOfAll(say("end.hidden")));
 addEventListener("themechange", () => {
   room.paint();
   map.paint();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Targets by Nav2, or any other node that serves NavigateToPose. It knows the obstacles. Each end of an approach also cancels a goal.
 
+import { say } from "../shared/language.js";
 import { sendGoal } from "../shared/goal.js";
 
 const TYPE = "nav2_msgs/action/NavigateToPose";
@@ -55,17 +56,17 @@ export class Navigation {
   #heard({ op, level, msg, values, status, result }) {
     if (op === "action_feedback") {
       const left = values.distance_remaining;
-      this.#told(Number.isFinite(left) ? `Nav2 drives: ${left.toFixed(2)} m left.` : "Nav2 drives.");
+      this.#told(Number.isFinite(left) ? say("nav2.left", { metres: left.toFixed(2) }) : say("nav2.drives"));
     } else if (op === "status" && level === "error") this.#fail(msg);
     else if (op === "action_result" && result && status === SUCCEEDED) {
       this.#end();
       this.#told("Arrived.");
-    } else if (op === "action_result") this.#fail(result ? values.error_msg || `error ${values.error_code}` : String(values));
+    } else if (op === "action_result") this.#fail(result ? values.error_msg || say("nav2.error", { code: values.error_code }) : String(values));
   }
 
   #fail(why) {
     this.#end();
-    this.#told(`Nav2 has ended: ${why}.`);
+    this.#told(say("nav2.ended", { why }));
   }
 
   #end() {

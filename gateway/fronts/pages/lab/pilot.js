@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Moves the robot by held keys, or to a target. Also knows everything that ends either.
 
+import { say } from "../shared/language.js";
 import { reason, sentence } from "../shared/control_words.js";
 import { Driver } from "../shared/driver.js";
 import { Approach, MOST, STALE_S } from "./approach.js";
@@ -85,7 +86,7 @@ export class Pilot {
     this.#isMoving = false;
     this.approach.begin(x, y, now / 1000);
     this.step(now);
-    if (this.isWaiting) this.#say("Waiting until the gateway lets the robot move.");
+    if (this.isWaiting) this.#say(say("pilot.waiting"));
     return true;
   }
 
@@ -98,7 +99,7 @@ export class Pilot {
 
   /** Take what is held, in shares. Keys end an approach, and what is said of the one before is over. */
   hold(linear, angular) {
-    if (this.isActive && (linear || angular)) this.#drop("The keys ended the approach.");
+    if (this.isActive && (linear || angular)) this.#drop(say("pilot.keys"));
     else if ((linear || angular) && this.words) this.#say("");
     if (this.isActive) return;
     if (this.#forbidden && (linear || angular)) this.#say(this.#mayLook());
@@ -112,7 +113,7 @@ export class Pilot {
 
   /** Stop the robot and the approach, and say why it ended. Without an approach, say nothing. */
   end(why) {
-    this.stop(this.isActive ? `The approach has ended: ${why}.` : "");
+    this.stop(this.isActive ? say("pilot.ended", { why }) : "");
   }
 
   /** Stop the robot and the approach, with words. */
@@ -128,7 +129,7 @@ export class Pilot {
     this.#state = state;
     if (!this.isActive) return;
     if (this.navigation?.isActive) this.#watchNavigation(state);
-    else if (!state) this.end("there is nothing to drive");
+    else if (!state) this.end(say("end.nothing"));
     else if (state.holder === "other") this.stop(sentence(state));
     else if (state.tripped && this.#isMoving) this.end(reason(state));
   }
@@ -137,44 +138,44 @@ export class Pilot {
   step(now) {
     if (!this.approach.isActive) return;
     if (!this.#isMoving && (this.#state.tripped || now - this.#clearedMs < SETTLE_MS)) {
-      if (now - this.#aimedMs > REARM_MS) this.end(reason(this.#state) || "the gateway lets nothing move");
+      if (now - this.#aimedMs > REARM_MS) this.end(reason(this.#state) || say("end.still"));
       return;
     }
     if (!this.#isMoving) {
       const { x, y } = this.approach.target;
-      this.#say(`Approaching ${x.toFixed(2)}, ${y.toFixed(2)} m.`);
+      this.#say(say("pilot.approaching", { x: x.toFixed(2), y: y.toFixed(2) }));
     }
     this.#isMoving = true;
     const { linear, angular } = this.approach.step(this.#pose, this.#poseMs / 1000, now / 1000);
     this.#driver.hold(linear / MOST.linear, angular / MOST.angular);
     if (this.approach.state === "arrived") this.#say("Arrived.");
-    if (this.approach.state === "failed") this.#say(`The approach has ended: ${this.approach.reason}.`);
+    if (this.approach.state === "failed") this.#say(say("pilot.ended", { why: this.approach.reason }));
   }
 
   #navigate(goal) {
-    this.#say("Nav2 gets the target.");
+    this.#say(say("nav2.gets"));
     const isSent = Boolean(this.navigation?.action) && this.navigation.go(goal);
-    if (!isSent) this.#say("Nav2 is not available: start it, or let this page drive.");
+    if (!isSent) this.#say(say("nav2.none"));
     return isSent;
   }
 
   /** End the navigation by what stops a robot that the gateway sees. Other commands than those of the gateway do not tell it of an end. */
   #watchNavigation(state) {
-    if (!state) this.end("there is nothing to drive");
+    if (!state) this.end(say("end.nothing"));
     else if (state.holder === "other") this.stop(sentence(state));
-    else if (state.tripped) this.end(reason(state) || "the gateway stopped the robot");
+    else if (state.tripped) this.end(reason(state) || say("end.stopped"));
   }
 
   #refusal(now) {
     if (this.#forbidden) return this.#mayLook();
-    if (!this.#state) return "There is nothing to drive. Start the robot.";
+    if (!this.#state) return say("pilot.nothing");
     if (this.#state.holder === "other" || this.#state.guard !== "ready") return sentence(this.#state);
-    if (now - this.#poseMs > STALE_S * 1000) return `Nothing moves, because there is no odometry for ${STALE_S} s.`;
+    if (now - this.#poseMs > STALE_S * 1000) return say("pilot.blind", { seconds: STALE_S });
     return "";
   }
 
   #mayLook() {
-    return `This page may watch, but not drive: ${this.#forbidden}.`;
+    return say("pilot.forbidden", { why: this.#forbidden });
   }
 
   #drop(words) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The place of one frame in another, or in words why it is unknown.
 
+import { say } from "../shared/language.js";
+
 const HERE = { translation: { x: 0, y: 0, z: 0 }, rotation: { x: 0, y: 0, z: 0, w: 1 } };
 const PATIENCE_MS = 2000; // by then a tree of transforms is complete, even on a slow network
 
@@ -41,9 +43,9 @@ export class Placement {
   /** Why it is not shown, or "". */
   get words() {
     if (this.#source === null || performance.now() - this.#unknownMs < PATIENCE_MS) return "";
-    if (!this.#target) return `${this.#what}: no odometry names its frame`;
-    if (!this.#source) return `${this.#what}: it names no frame`;
-    return `${this.#what}: no transform ${this.#target} → ${this.#source}`;
+    if (!this.#target) return say("placed.target", { what: this.#what });
+    if (!this.#source) return say("placed.source", { what: this.#what });
+    return say("placed.transform", { what: this.#what, target: this.#target, source: this.#source });
   }
 
   #follow(target, source) {

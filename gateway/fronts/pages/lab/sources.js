@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The robot's data that the lab shows, once a node publishes it.
 
+import { say } from "../shared/language.js";
 import { json } from "../shared/json.js";
 import { isOf, missing, published } from "../shared/named_topics.js";
 import { lasting } from "../shared/passing.js";
@@ -39,9 +40,9 @@ export class Sources {
     this.#gateway = gateway;
     this.#tell = tell;
     this.#parts = parts;
-    this.#map = new Placement(gateway, "the map is hidden, and targets are not checked against it", MAP_HZ, (transform) => parts.map.place(transform));
-    this.#laser = new Placement(gateway, "the scan is hidden", LASER_HZ, (transform) => parts.twin.mount(transform));
-    this.#root = new Placement(gateway, "the description may be misplaced on the robot", ROOT_HZ, (transform) => parts.twin.body.mount(transform));
+    this.#map = new Placement(gateway, say("hidden.map"), MAP_HZ, (transform) => parts.map.place(transform));
+    this.#laser = new Placement(gateway, say("hidden.scan"), LASER_HZ, (transform) => parts.twin.mount(transform));
+    this.#root = new Placement(gateway, say("hidden.description"), ROOT_HZ, (transform) => parts.twin.body.mount(transform));
   }
 
   /** In words, what is not shown because it is not published or its place is unknown, or "". */
@@ -106,7 +107,7 @@ export class Sources {
 
   /** Show a topic on a screen as text. Return what ends that. */
   read(topic, screen) {
-    screen.show(topic, "no message yet");
+    screen.show(topic, say("lab.silent"));
     return this.#gateway.subscribe(
       topic, { throttle_rate: SLOW_MS },
       (message) => screen.show(topic, readable(message)),
@@ -124,7 +125,7 @@ export class Sources {
           body.describe(this.#gateway, data);
           this.#root.of(body.root);
         } catch (error) {
-          this.#tell(`The description of the robot cannot be shown: ${error.message}.`);
+          this.#tell(say("lab.description", { why: error.message }));
         }
       }, lasts);
     });

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { say } from "../shared/language.js";
 import { LinearFilter, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, Texture } from "../vendor/three.js";
 
 const HIGH_M = 3;
@@ -33,7 +34,7 @@ export class Television {
         // upside down, because a texture begins at the bottom and WebGL does not turn bitmaps
         this.#put(await createImageBitmap(new Blob([data], { type }), { imageOrientation: "flipY" }));
       } catch (error) {
-        this.#tell(`this image (${format}) cannot be shown: ${error.message}`);
+        this.#tell(say("lab.image", { format, why: error.message }));
       }
     }
     this.#isDecoding = false;

@@ -4,7 +4,7 @@
 import { say } from "./language.js";
 
 const CAUSES = ["stop", "deadline", "disconnect", "takeover", "lease", "permission", "invalid_value", "backlog", "guard", "reader", "shutdown"];
-const OWN_CAUSES = ["stop", "takeover"]; // where this page is the cause
+const OWN_CAUSES = ["stop", "takeover"]; // of this page itself
 
 /** Return why the robot was stopped, for a `control` frame, or "" if it was told to stand. */
 export function reason({ cause, holder, isStopper }) {
