@@ -60,7 +60,7 @@ export class Navigation {
     } else if (op === "status" && level === "error") this.#fail(msg);
     else if (op === "action_result" && result && status === SUCCEEDED) {
       this.#end();
-      this.#told("Arrived.");
+      this.#told(say("lab.arrived"));
     } else if (op === "action_result") this.#fail(result ? values.error_msg || say("nav2.error", { code: values.error_code }) : String(values));
   }
 

@@ -148,7 +148,7 @@ export class Pilot {
     this.#isMoving = true;
     const { linear, angular } = this.approach.step(this.#pose, this.#poseMs / 1000, now / 1000);
     this.#driver.hold(linear / MOST.linear, angular / MOST.angular);
-    if (this.approach.state === "arrived") this.#say("Arrived.");
+    if (this.approach.state === "arrived") this.#say(say("lab.arrived"));
     if (this.approach.state === "failed") this.#say(say("pilot.ended", { why: this.approach.reason }));
   }
 

@@ -318,6 +318,7 @@ export default {
   "lab.silent": "no message yet",
   "lab.description": "The description of the robot cannot be shown: {why}.",
   "lab.image": "this image ({format}) cannot be shown: {why}",
+  "lab.arrived": "Arrived.",
   "lab.title": "Lab - ROS 2 gateway",
   "lab.view": "Virtual lab",
   "lab.home": "Home",

@@ -318,6 +318,7 @@ export default {
   "lab.silent": "ei viestejä vielä",
   "lab.description": "Robotin kuvausta ei voi näyttää: {why}.",
   "lab.image": "tätä kuvaa ({format}) ei voi näyttää: {why}",
+  "lab.arrived": "Perillä.",
   "lab.title": "Laboratorio - ROS 2 gateway",
   "lab.view": "Virtuaalinen laboratorio",
   "lab.home": "Alkuun",
