@@ -162,7 +162,7 @@ READ = """() => {
     }
     return found.filter(Boolean);
 }"""
-# what is the same in all languages: names, numbers with units, and signs
+# the same in all languages: names, numbers with units, and signs
 SAME = (
     r"STOP|ROS 2 gateway|Nav2|\W+|/\S+|-?[\d.]+ ?(m/s|rad/s|\u00d7|Hz|%)?"
     r"|(-?[\d.]+ (m/s|rad/s)(, | · )?)+(akku [\d.]+ [%V](, vähissä)?)?"
