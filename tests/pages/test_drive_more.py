@@ -66,6 +66,19 @@ async def test_a_battery_is_read_as_far_as_it_is_measured(evaluate, message, wor
     assert said == [words, is_low, ""]
 
 
+async def test_a_robot_that_stands_has_no_negative_speed(evaluate):
+    said = await evaluate("""async () => {
+        const { Readout } = await import("/drive/readout.js");
+        const element = document.createElement("p");
+        const readout = new Readout({ graph: { topics: new Map() } }, element);
+        const linear = { x: -0.001, y: -0.001 };
+        readout.odometry({ twist: { twist: { linear, angular: { z: -0.004 } } } });
+        readout.write();
+        return element.textContent;
+    }""")
+    assert said == "0.00 m/s, 0.00 rad/s"
+
+
 async def test_another_camera_is_chosen_and_stays_in_the_address(demo, open_page):
     async with open_page(f"{page_address(demo)}drive#scan=/scan", script=NOTE_SENT) as page:
         option = "#cameras option[value='/camera/image_raw/compressed']"

@@ -152,6 +152,19 @@ async def test_full_screen_and_maximize_are_one_and_end_above_the_links_of_a_pho
         assert await page.locator("article").count() == 2
 
 
+async def test_the_tools_of_a_map_lie_below_it_whatever_its_size(demo, open_page):
+    address = page_address(demo) + "#card=map+0+/map&size=4x11"
+    async with open_page(address, {"width": 768, "height": 1024}) as page:
+        await until(
+            page,
+            """() => {
+            const edge = (each) => document.querySelector(each)?.getBoundingClientRect();
+            const [drawn, tools] = [edge("article canvas"), edge(".map-tools")];
+            return drawn && tools.height && drawn.bottom <= tools.top + 1;
+        }""",
+        )
+
+
 async def test_cards_of_another_tab_ask_for_nothing_and_come_back(demo, open_page):
     ended = """topic => sent.map((each) => JSON.parse(each))
         .some((each) => each.op === "unsubscribe" && each.topic === topic)"""
