@@ -134,12 +134,11 @@ class Row {
   constructor(name, path, plot) {
     this.#path = path;
     this.#plot = plot;
-    this.element = element("div", { className: "row" }, element("dt", {}, element("bdi", {}, name), ": "), this.#meaning, this.#content);
+    this.element = element("div", { className: "row" }, element("dt", {}, element("bdi", {}, name), ": "), this.#content);
   }
 
   show(value) {
-    const meaning = isNested(value) ? meaningOf(value) : "";
-    if (this.#meaning.textContent !== meaning) this.#meaning.textContent = meaning;
+    this.#explain(isNested(value) ? meaningOf(value) : "");
     if (isNested(value)) {
       this.#leaf = null;
       this.#group ??= this.#fill(new Group(this.#path, this.#plot));
@@ -149,6 +148,13 @@ class Row {
       this.#leaf ??= this.#fill(new Leaf(this.#path, this.#plot));
       this.#leaf.show(value);
     }
+  }
+
+  #explain(words) {
+    if (this.#meaning.textContent === words) return;
+    this.#meaning.textContent = words;
+    if (words) this.#content.before(this.#meaning);
+    else this.#meaning.remove();
   }
 
   #fill(made) {
