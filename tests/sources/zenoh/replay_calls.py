@@ -15,7 +15,7 @@ from zenoh import ext
 from gateway.codec.types import Types
 from gateway.sources.zenoh.keys import DataKey, parse_key
 from gateway.sources.zenoh.tokens import EndpointToken, parse_token
-from tests.client import eventually
+from tests.client import TIMEOUT_S, eventually
 from tests.sources.zenoh.outside import DEFINITIONS, client
 from tests.sources.zenoh.recordings import of_robot, recording, tokens
 
@@ -90,7 +90,8 @@ class Callee:
                 answer = partial(self._answer, key)
                 self._kept.append(self._session.declare_queryable(key, answer, complete=True))
             elif token.kind == "MP":
-                self._publishers[key] = ext.declare_advanced_publisher(self._session, key)
+                # a plain one, which knows whether its subscriber has found it
+                self._publishers[key] = self._session.declare_publisher(key)
 
     def close(self) -> None:
         self._session.close()
@@ -128,8 +129,11 @@ class Callee:
         for line in self._feedback:
             payload, attachment = (bytes.fromhex(line[each]) for each in ("payload", "attachment"))
             if payload[IDS] == recorded:
-                put = self._publishers[line["key"]].put
-                put(payload.replace(recorded, new), attachment=attachment)
+                publisher = self._publishers[line["key"]]
+                end_s = time.monotonic() + TIMEOUT_S
+                while not publisher.matching_status.matching and time.monotonic() < end_s:
+                    time.sleep(0.01)  # on a thread of Zenoh
+                publisher.put(payload.replace(recorded, new), attachment=attachment)
 
 
 class Caller:
