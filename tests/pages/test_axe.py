@@ -91,7 +91,7 @@ STATES = {
 async def test_axe_finds_nothing_in_any_state(demo, open_page, state, scheme):
     tabs = "#tab=One&card=tree+0+/odom&card=tree+0+/imu&tab=Two"
     async with open_page(page_address(demo) + tabs, color_scheme=scheme) as page:
-        await page.wait_for_selector("article .tree dd")
+        await page.wait_for_selector("article .tree dd:not(:empty)")
         await page.evaluate(STATES[state])
         await page.evaluate(AXE.read_text(encoding="utf-8"))
         assert await page.evaluate(FOUND) == []

@@ -191,7 +191,7 @@ async def test_stop_stays_in_reach_while_a_dialog_is_open(demo, open_page):
 
 async def test_stop_stays_in_reach_while_a_name_is_asked_for(demo, open_page):
     async with open_page(page_address(demo) + "#card=tree+0+/odom", script=NOTE_SENT) as page:
-        await page.wait_for_selector("article .tree dd")
+        await page.wait_for_selector("article .tree dd:not(:empty)")
         await page.dblclick("article h3")  # Escape closes the question alone
         for _ in range(2):  # one question at a time
             await page.get_by_role("button", name="Layout", exact=True).click()
