@@ -282,10 +282,11 @@ async def test_after_sigkill_and_a_restart_all_clients_are_back_and_the_robot_is
         driver = await enter(scene.operator(url))
         at_ns = 0
         for _ in range(2):
-            async with scene.gateway("--port", str(port)) as gateway, asyncio.TaskGroup() as back:
-                for _ in range(MANY):
-                    back.create_task(comes_back(url))
-                await scene.until_it_moves(robot, driver, since_ns=at_ns, commands=MANY)
+            async with scene.gateway("--port", str(port)) as gateway:
+                async with asyncio.TaskGroup() as back:
+                    for _ in range(MANY):
+                        back.create_task(comes_back(url))
+                    await scene.until_it_moves(robot, driver, since_ns=at_ns, commands=MANY)
                 guard = guard_of(gateway)
                 at_ns = robot.last_moved_ns
                 gateway.process.kill()

@@ -70,7 +70,7 @@ async def test_a_browser_gets_a_page_and_others_a_text(serve, files):
 async def test_a_page_is_named_without_its_ending(serve, files):
     async with serve(files=files) as served:
         page = await get(served.port, "/drive", HTML)
-        assert b"<title>Drive" in page.body
+        assert b">Drive - ROS 2 gateway</title>" in page.body
 
 
 @pytest.mark.parametrize(("path", "to"), [("/drive/", "/drive"), ("/lab/?map=/m", "/lab?map=/m")])
