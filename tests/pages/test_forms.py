@@ -595,7 +595,7 @@ async def test_arrow_keys_go_from_one_to_the_next_in_the_graph(demo, open_page):
         await page.keyboard.press("ArrowLeft")  # along a line, not to what is nearest
         kind, name = (await page.evaluate(focus)).split()
         assert kind == "topic"
-        assert name in heard.replace(",", " ").split()  # after other tests it hears /clock, too
+        assert name in heard.replace(",", " ").split()  # or /clock, after other tests
         await page.check("article label:has-text('all')")  # drawn again
         opened = await page.get_attribute("svg [tabindex='0']", "data-name")
         await page.focus("svg [tabindex='0']")
