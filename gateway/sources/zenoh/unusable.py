@@ -142,6 +142,13 @@ def _asked(link: socket.socket, settings: Mapping[str, Any], named: _Named) -> U
         return Unusable(
             f"does not answer, {system_reason(error)}", "check that a router listens there"
         )
+    return _answered(answer, settings, named)
+
+
+def _answered(answer: bytes, settings: Mapping[str, Any], named: _Named) -> Unusable | None:
+    if not answer:
+        remedy = "check address and port, and how many sessions the router has and allows"
+        return Unusable("closes the connection without an answer", remedy)
     if answer.startswith(_ALERT):
         return Unusable("needs TLS", "write tls/ in place of tcp/")
     kind = answer[_LENGTH] & _KIND if len(answer) > _LENGTH else None

@@ -37,7 +37,7 @@ def answering(answer: bytes) -> Iterator[int]:
     ("protocol", "answer", "what"),
     [
         ("tcp", b"HTTP/1.1 400 Bad Request\r\n\r\n", "is another program"),
-        ("tcp", b"", "is another program"),
+        ("tcp", b"", "closes the connection without an answer"),
         ("tcp", b"\2\0\3\2", "has another version of Zenoh"),
         ("tcp", b"\2\0\3\0", "asks for a name and a password"),
         ("tcp", b"\x15\3\3\0\2\2\x32", "needs TLS"),

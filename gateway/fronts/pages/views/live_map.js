@@ -26,7 +26,8 @@ export class LiveMap {
    * @param {{tell: (words: string) => void, untell: (words: string) => void}} card says what cannot be shown
    * @param {string} what names the map in words
    * @param {{check: (message: any) => void, show: (message: any, painted: {bitmap: ImageBitmap, cells: number, values: Int8Array}) => void,
-   *   colours?: () => Uint32Array}} does `check` throws an error if a map cannot be shown
+   *   colours?: () => Uint32Array}} does
+   *   `check` throws an error if a map cannot be shown, and `show` gets each painted one
    */
   constructor(card, what, { check, show, colours = palette }) {
     this.#newest = new Newest(card, () => what, (message) => this.#paint(message));
