@@ -19,7 +19,7 @@ from gateway.sources.qos import (
     unmatched_publishers,
 )
 from gateway.sources.rclpy.errors import creation, remapped
-from gateway.sources.rclpy.graph import read_offers
+from gateway.sources.rclpy.graph import read_offers, read_reliable
 from gateway.sources.rclpy.heard_samples import HeardSamples
 from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.profile import to_profile
@@ -98,6 +98,10 @@ class RawSubscriptions:
     def offers(self, topic: str) -> list[Endpoint]:
         """Return what the publishers of a topic offer now."""
         return read_offers(self._node, topic)
+
+    def reliable(self, topic: str) -> frozenset[bytes]:
+        """Return the ids of the publishers of a topic that send again what was lost."""
+        return read_reliable(self._node, topic)
 
     def read(
         self,
@@ -241,10 +245,14 @@ class RawSubscription:
             self._refusals.append(TopicEvent("qos_incompatible", str(error), kept))
             return
         self._unwatch()
+        repairs = self.qos.reliability == "reliable"
         self.qos = qos
         self._retired, self._reader = retired, reader
         self._watch = self._watched(reader)
-        self._heard.begin()
+        self._heard.begin(
+            is_latched=self._is_latched(),
+            repaired=self._subscriptions.reliable(self.topic) if repairs else frozenset(),
+        )
         retired.deliver_to(partial(self._compare, retired), with_publishers=True)
         self._stop_timer()
         self._timer = self._subscriptions.after(RETIREMENT_S, self._end_retirement)
@@ -258,7 +266,7 @@ class RawSubscription:
         self._timer = self._subscriptions.after(RETIREMENT_S, self._end_comparison)
         try:
             retired.flush()
-            self._deliver(self._heard.release())
+            self._deliver(self._heard.end())
         finally:
             retired.close()
 
@@ -299,11 +307,8 @@ class RawSubscription:
             self.follow(self._subscriptions.offers(self.topic))
         if reader is self._reader and self._retired is not None:
             self._retired.flush()  # it has what was published before the other one was discovered
-        is_retired = reader is not self._reader
         heard = self._heard
-        self._deliver(
-            heard.hold(samples) if is_retired and self._is_latched() else heard.new(samples)
-        )
+        self._deliver(heard.new(samples) if reader is self._reader else heard.retired(samples))
 
     def _deliver(self, samples: Sequence[Sample]) -> None:
         for first in range(0, len(samples), MAX_TAKES_PER_TURN):

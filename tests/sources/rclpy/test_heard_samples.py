@@ -17,27 +17,42 @@ def numbers(found: list[Sample]) -> list[int | None]:
 def test_the_first_of_a_publisher_waits_for_what_the_new_reader_gets_before_it():
     heard = HeardSamples()
     assert numbers(heard.new(samples(b"a", 1, 2))) == [1, 2]
-    heard.begin()
-    assert numbers(heard.hold([*samples(b"a", 3), *samples(b"b", 3, 4, 6)])) == [3]
+    heard.begin(is_latched=True, repaired=frozenset())
+    assert numbers(heard.retired([*samples(b"a", 3), *samples(b"b", 3, 4, 6)])) == [3]
     assert numbers(heard.new([*samples(b"a", 1, 2, 3), *samples(b"b", 1, 2, 3)])) == [1, 2, 3]
-    assert numbers(heard.hold(samples(b"b", 7))) == []
+    assert numbers(heard.retired(samples(b"b", 7))) == []
     assert numbers(heard.new(samples(b"b", 5))) == [4, 5]
-    assert numbers(heard.release()) == [6, 7]
+    assert numbers(heard.end()) == [6, 7]
     assert numbers(heard.new(samples(b"b", 6, 7, 8))) == [8]
+
+
+def test_what_comes_after_a_gap_waits_for_a_retired_reader_that_is_behind():
+    heard = HeardSamples()
+    heard.begin(is_latched=False, repaired=frozenset({b"a"}))
+    assert numbers(heard.new([*samples(b"a", 5), *samples(b"b", 5)])) == [5]  # b is best effort
+    assert numbers(heard.retired(samples(b"a", 2, 3))) == [2, 3]
+    assert numbers(heard.new(samples(b"a", 4, 6))) == [4]
+    assert numbers(heard.retired(samples(b"a", 4, 6))) == [5, 6]
+    assert numbers(heard.new(samples(b"a", 8, 9))) == []
+    assert numbers(heard.end()) == [8, 9]
+    assert numbers(heard.new(samples(b"a", 11))) == [11]  # nobody gets 10 any more
 
 
 def test_without_numbers_times_are_compared_and_without_ids_all_passes():
     heard = HeardSamples()
     unnumbered = [Sample(b"", 0, time_ns, None, b"a") for time_ns in (5, 5, 6)]
     assert heard.new(unnumbered) == unnumbered[1:]
+    heard.begin(is_latched=False, repaired=frozenset({b"a"}))
+    assert heard.new([Sample(b"", 0, 8, None, b"a")])
     anonymous = [Sample(b"", 0, 0, 1)] * 2
-    assert heard.new(anonymous) == heard.hold(anonymous) == anonymous
+    assert heard.new(anonymous) == heard.retired(anonymous) == anonymous
 
 
 def test_waiting_samples_are_bounded(monkeypatch):
     heard = HeardSamples()
-    assert heard.hold(samples(b"a", 1, size=heard_samples.MAX_HELD_BYTES)) == []
-    assert numbers(heard.hold(samples(b"b", 2))) == [1, 2]
+    heard.begin(is_latched=True, repaired=frozenset())
+    assert heard.retired(samples(b"a", 1, size=heard_samples.MAX_HELD_BYTES)) == []
+    assert numbers(heard.retired(samples(b"b", 2))) == [1, 2]
     assert heard_samples.MAX_HELD_BYTES == 8 * 1024**2
 
 

@@ -18,6 +18,7 @@ from gateway.sources.rclpy.rclpy_private.handles import handle_of, message_taker
 from gateway.sources.source import Sample
 
 _TAKE: Final = "rcl_take_serialized_message"
+GUID_BYTES: Final = 16  # of an endpoint
 _NOTHING_THERE: Final = 401  # RCL_RET_SUBSCRIPTION_TAKE_FAILED
 # A copy of so much takes 20 us, and the memory behind it is not kept for each reader.
 HANDED_OVER_BYTES: Final = 256 * 1024
@@ -63,7 +64,7 @@ class _MessageInfo(ctypes.Structure):  # rmw_message_info_t
         ("number", ctypes.c_int64),  # unsigned in C, and all ones if there is no number
         ("number_of_reception", ctypes.c_int64),
         ("implementation", ctypes.c_void_p),
-        ("publisher", ctypes.c_uint8 * 16),  # its GUID
+        ("publisher", ctypes.c_uint8 * GUID_BYTES),  # its GUID
         ("rest", ctypes.c_uint8 * 104),  # distributions differ
     )
 
