@@ -208,7 +208,7 @@ async def test_the_parts_of_a_robot_by_level_and_what_has_changed(open_card):
             "error: too hot",
         ]
         await page.evaluate("() => { now += 6000; drawn(); }")
-        assert "3 stale · 0 error" in await page.evaluate(body)
+        assert "3 stale · 0 errors" in await page.evaluate(body)
 
 
 async def test_the_faults_of_a_tree_of_frames_are_said(open_card):

@@ -221,7 +221,7 @@ async def test_a_map_that_comes_late_keeps_the_updates_that_are_newer(evaluate):
         const shown = [];
         const show = (message, { values }) => shown.push([...values]);
         const tell = (words) => shown.push(words);
-        const map = new LiveMap({ tell, untell() {} }, "it", { check() {}, show });
+        const map = new LiveMap({ tell, untell() {} }, { check() {}, show });
         const header = (sec, nanosec) => ({ stamp: { sec, nanosec } });
         const part = (x, value, sec, nanosec) => ({
             header: header(sec, nanosec), x, y: 0, width: 1, height: 1, data: [value],

@@ -33,7 +33,7 @@ export class FloorMap {
    */
   constructor(card, material = new MeshBasicMaterial()) {
     this.#raised = new Raised(material);
-    this.#live = new LiveMap(card, "this map", { check, show: (message, painted) => this.#lay(message, painted) });
+    this.#live = new LiveMap(card, { check, show: (message, painted) => this.#lay(message, painted) });
     this.world.position.y = -0.01; // between the floor and the lines on it
     this.world.visible = false;
     this.#grid.add(this.#sheet, this.#raised.mesh);
@@ -171,6 +171,6 @@ const seen = ({ x, y, yaw }, place) => {
 };
 
 function check({ info: { resolution, width, height, origin: { position, orientation } } }) {
-  if (!(resolution > 0)) throw new RangeError(`its cells are ${resolution} m wide`);
+  if (!(resolution > 0)) throw new RangeError(say("map.cells", { metres: resolution }));
   insist(position.x, position.y, yawOf(orientation), width * resolution, height * resolution);
 }

@@ -34,7 +34,7 @@ export class Television {
         // upside down, because a texture begins at the bottom and WebGL does not turn bitmaps
         this.#put(await createImageBitmap(new Blob([data], { type }), { imageOrientation: "flipY" }));
       } catch (error) {
-        this.#tell(say("lab.image", { format, why: error.message }));
+        this.#tell(say("image.unshown", { format, why: error.message }));
       }
     }
     this.#isDecoding = false;

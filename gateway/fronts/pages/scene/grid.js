@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { DoubleSide, Group, Mesh, MeshBasicMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace, Texture } from "../vendor/three.js";
+import { say } from "../shared/language.js";
 import { LiveMap } from "../views/live_map.js";
 import { palette } from "../views/occupancy.js";
 import { MAP_OPTIONS } from "../views/painter.js";
@@ -9,7 +10,7 @@ import { Display, put } from "./display.js";
 /** A `nav_msgs/msg/OccupancyGrid` on the floor. A costmap is a veil in one colour. */
 export class GridDisplay extends Display {
   options = MAP_OPTIONS;
-  #live = new LiveMap({ tell: (words) => (this.problem = words), untell: () => (this.problem = "") }, "This map", {
+  #live = new LiveMap({ tell: (words) => (this.problem = words), untell: () => (this.problem = "") }, {
     check: ({ info }) => check(info),
     colours: () => (this.look.mode === "costmap" ? veil(this.look.colour) : palette()),
     show: ({ info }, painted) => this.#lay(info, painted),
@@ -65,7 +66,7 @@ export class GridDisplay extends Display {
 }
 
 function check({ resolution, width, height, origin: { position } }) {
-  if (!(resolution > 0)) throw new RangeError(`its cells are ${resolution} m wide`);
+  if (!(resolution > 0)) throw new RangeError(say("map.cells", { metres: resolution }));
   insist(position.x, position.y, width * resolution, height * resolution);
 }
 

@@ -19,6 +19,9 @@ export const chosen = Object.hasOwn(LANGUAGES, kept) ? kept : "";
 /** The language of this page. */
 export const language = chosen || navigator.languages.map((each) => each.split("-")[0]).find((each) => Object.hasOwn(LANGUAGES, each)) || "en";
 
+/** The way in which times are written: the language, of the country that the browser says if it says one. */
+export const locale = navigator.languages.find((each) => each.split("-")[0] === language) ?? language;
+
 const words = WORDS[language];
 const plural = new Intl.PluralRules(language);
 document.documentElement.lang = language;

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 
-const STATUS = ["status unknown", "charging", "discharging", "not charging", "full"]; // POWER_SUPPLY_STATUS_*
-const HEALTH = ["", "good", "overheated", "dead", "overvoltage", "unspecified failure", "cold", "watchdog expired", "safety timer expired"];
+const STATUS = ["unknown", "charging", "discharging", "not_charging", "full"]; // POWER_SUPPLY_STATUS_*
+const HEALTH = ["unknown", "good", "overheated", "dead", "overvoltage", "failure", "cold", "watchdog", "timer"]; // POWER_SUPPLY_HEALTH_*
 const LOW = 0.2;
 
 /** A battery in words and as a bar. */
 export class BatteryView {
-  static title = "Battery";
+  static title = say("view.battery");
   static types = ["sensor_msgs/msg/BatteryState"];
 
   options = { throttle_rate: 500 };
   element = element("div", { className: "battery" });
-  #meter = element("meter", { min: 0, max: 1, low: LOW, high: LOW, optimum: 1, aria: { label: "charge" } });
+  #meter = element("meter", { min: 0, max: 1, low: LOW, high: LOW, optimum: 1, aria: { label: say("battery.charge") } });
   #share = element("strong");
   #rest = element("p");
 
@@ -29,7 +30,7 @@ export class BatteryView {
       .map(([value, unit]) => [measured(value), unit])
       .filter(([value]) => value !== null)
       .map(([value, unit]) => `${value.toFixed(1)} ${unit}`);
-    this.#rest.textContent = [STATUS[status] ?? `status ${status}`, HEALTH[health] ?? `health ${health}`, ...parts].filter(Boolean).join(" · ");
+    this.#rest.textContent = [say(`battery.status.${STATUS[status] ?? "other"}`, { status }), say(`battery.health.${HEALTH[health] ?? "other"}`, { health }), ...parts].filter(Boolean).join(" · ");
   }
 }
 
@@ -37,9 +38,10 @@ export class BatteryView {
 const isShare = (value) => value !== null && value >= 0 && value <= 1;
 
 function charge(share) {
-  if (share === null) return "charge not measured";
-  if (!isShare(share)) return `charge ${share}: out of range (0 to 1)`;
-  return `${Math.round(share * 100)} %${share < LOW ? ", low" : ""}`;
+  if (share === null) return say("battery.unmeasured");
+  if (!isShare(share)) return say("battery.beyond", { share });
+  const charge = `${Math.round(share * 100)} %`;
+  return share < LOW ? say("battery.low", { charge }) : charge;
 }
 
 /** Return a number, or null for NaN, which stands for what is not measured. */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { count, locale, say } from "../shared/language.js";
 import { Pairs } from "./pairs.js";
 
 const LEVELS = ["ok", "warning", "error", "stale"]; // DiagnosticStatus.OK, WARN, ERROR and STALE
@@ -13,7 +14,7 @@ const MOST_VALUES = 200; // of each status
 
 /** The status of each part, as a tree by the slashes in its name, with its values and its last changes. */
 export class DiagnosticsView {
-  static title = "Diagnostics";
+  static title = say("view.diagnostics");
   static types = ["diagnostic_msgs/msg/DiagnosticArray"];
 
   options = {};
@@ -31,7 +32,7 @@ export class DiagnosticsView {
 
   constructor(card) {
     this.#card = card;
-    this.#level = element("select", { aria: { label: `least level of ${card.topic}` } }, ...Object.keys(LEAST).map((each) => new Option(each)));
+    this.#level = element("select", { aria: { label: say("least.of", { topic: card.topic }) } }, ...Object.keys(LEAST).map((each) => new Option(say(`least.${each}`), each)));
     this.#level.value = card.settings.level in LEAST ? card.settings.level : "all";
     this.#level.onchange = () => {
       card.keep("level", this.#level.value, "all");
@@ -74,11 +75,11 @@ export class DiagnosticsView {
       each.write();
     }
     for (const group of this.#groups.values()) group.hidden = ![...group.querySelectorAll(".status")].some((each) => !each.hidden);
-    const leftOut = this.#hasLeftOut ? ` · more than ${MOST_STATUSES} parts: those that were silent for the longest time are left out` : "";
-    const words = LEVELS.map((word, level) => `${counts[level]} ${word}`).reverse().join(" · ") + leftOut;
+    const leftOut = this.#hasLeftOut ? ` · ${say("diagnostics.many", { most: MOST_STATUSES })}` : "";
+    const words = LEVELS.map((word, level) => count(`level.${word}`, counts[level])).reverse().join(" · ") + leftOut;
     if (this.#counts.textContent !== words) this.#counts.textContent = words;
     this.#none.hidden = shown > 0;
-    this.#none.textContent = this.#statuses.size ? `No part has this level: choose all to see ${this.#statuses.size} parts.` : "No part has sent its status yet.";
+    this.#none.textContent = this.#statuses.size ? say("diagnostics.none.level", { count: this.#statuses.size }) : say("diagnostics.none");
   }
 
   #add(name) {
@@ -140,7 +141,7 @@ class Status {
 
   constructor(name) {
     const summary = element("summary", {}, this.#level, " ", element("bdi", {}, name), ": ", this.#message);
-    this.element.append(summary, this.#values.element, element("h4", {}, "Last changes"), this.#changes);
+    this.element.append(summary, this.#values.element, element("h4", {}, say("diagnostics.changes")), this.#changes);
     this.element.ontoggle = () => this.#writeValues();
   }
 
@@ -153,13 +154,16 @@ class Status {
     this.heardMs = performance.now();
     this.#newest = status;
     this.#isNew = true;
-    this.#note(`${LEVELS[this.level]}: ${status.message}`);
+    this.#note(`${say(`level.${LEVELS[this.level]}`)}: ${status.message}`);
   }
 
   write() {
-    const word = LEVELS[this.level];
-    if (this.#level.textContent !== word) this.#level.textContent = this.#level.dataset.level = word;
-    if (word === "stale") this.#note("stale: it has sent nothing for 5 s");
+    const level = LEVELS[this.level];
+    if (this.#level.dataset.level !== level) {
+      this.#level.dataset.level = level;
+      this.#level.textContent = say(`level.${level}`);
+    }
+    if (level === "stale") this.#note(say("diagnostics.stale", { seconds: STALE_MS / 1000 }));
     if (!this.#isNew) return;
     this.#isNew = false;
     if (this.#message.textContent !== this.#newest.message) this.#message.textContent = this.#newest.message;
@@ -170,14 +174,14 @@ class Status {
     if (!this.element.open || !this.#newest) return;
     const { hardware_id: hardware, values } = this.#newest;
     const pairs = values.slice(0, MOST_VALUES).map(({ key, value }) => [key, value]);
-    const leftOut = values.length > MOST_VALUES ? [["left out", `${values.length - MOST_VALUES} more values`]] : [];
-    this.#values.show([...(hardware ? [["hardware", hardware]] : []), ...pairs, ...leftOut]);
+    const leftOut = values.length > MOST_VALUES ? [[say("diagnostics.left"), say("diagnostics.values", { count: values.length - MOST_VALUES })]] : [];
+    this.#values.show([...(hardware ? [[say("diagnostics.hardware"), hardware]] : []), ...pairs, ...leftOut]);
   }
 
   #note(words) {
     if (words === this.#said) return;
     this.#said = words;
-    this.#changes.prepend(element("li", {}, `${new Date().toLocaleTimeString()} `, element("bdi", {}, words)));
+    this.#changes.prepend(element("li", {}, `${new Date().toLocaleTimeString(locale)} `, element("bdi", {}, words)));
     if (this.#changes.childElementCount > MOST_CHANGES) this.#changes.lastElementChild.remove();
   }
 }

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { Pairs } from "./pairs.js";
 import { Plan } from "./plan.js";
 import { Trail } from "./trail.js";
 
 const NO_FIX = -1;
-const STATUS = { "-2": "unknown", "-1": "no fix", 0: "fix", 1: "fix with SBAS", 2: "fix with GBAS" }; // NavSatStatus
+const STATUS = { "-2": "unknown", "-1": "none", 0: "fix", 1: "SBAS", 2: "GBAS" }; // NavSatStatus
 const EARTH = 6_371_008.8; // metres: its mean radius
 const RADIANS = Math.PI / 180;
 const MOST_ERROR = 1000; // metres, of a circle that is drawn
 
 /** The way of a satellite receiver in metres from its first fix: east is right, north is up. */
 export class FixView {
-  static title = "Place";
+  static title = say("view.fix");
   static types = ["sensor_msgs/msg/NavSatFix"];
 
   options = { throttle_rate: 50 };
@@ -23,7 +24,7 @@ export class FixView {
   #error = NaN; // metres
 
   constructor(card) {
-    this.#plan = new Plan(`place of ${card.topic}, seen from above`);
+    this.#plan = new Plan(say("fix.label", { topic: card.topic }));
     this.element = element("div", { className: "noted" }, this.#values.element, this.#plan.element);
   }
 
@@ -41,12 +42,12 @@ export class FixView {
       this.#plan.circle(pose, Math.min(MOST_ERROR, this.#error) || 0);
     }
     this.#values.show([
-      ["status", STATUS[status.status] ?? `status ${status.status}`],
-      ["latitude", degrees(latitude, "N", "S")],
-      ["longitude", degrees(longitude, "E", "W")],
-      ["altitude", Number.isFinite(altitude) ? `${altitude.toFixed(1)} m` : "not measured"],
-      ["from the first fix", pose ? `${pose.x.toFixed(2)} m east, ${pose.y.toFixed(2)} m north` : "no fix yet"],
-      ["accuracy", this.#error > 0 ? `${this.#error.toFixed(2)} m` : "unknown"],
+      [say("fix.status"), say(`fix.status.${STATUS[status.status] ?? "other"}`, { status: status.status })],
+      [say("fix.latitude"), degrees(latitude, "N", "S")],
+      [say("fix.longitude"), degrees(longitude, "E", "W")],
+      [say("fix.altitude"), Number.isFinite(altitude) ? `${altitude.toFixed(1)} m` : say("unmeasured")],
+      [say("fix.from"), pose ? say("fix.way", { east: pose.x.toFixed(2), north: pose.y.toFixed(2) }) : say("fix.not_yet")],
+      [say("fix.accuracy"), this.#error > 0 ? `${this.#error.toFixed(2)} m` : say("fix.status.unknown")],
     ]);
   }
 }
@@ -57,4 +58,4 @@ function planeOf(first, { latitude, longitude }) {
   return { x: turn * RADIANS * EARTH * Math.cos(first.latitude * RADIANS), y: (latitude - first.latitude) * RADIANS * EARTH };
 }
 
-const degrees = (value, positive, negative) => (Number.isFinite(value) ? `${Math.abs(value).toFixed(7)}° ${value < 0 ? negative : positive}` : "not measured");
+const degrees = (value, positive, negative) => (Number.isFinite(value) ? `${Math.abs(value).toFixed(7)}° ${value < 0 ? negative : positive}` : say("unmeasured"));

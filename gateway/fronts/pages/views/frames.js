@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, span } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 
 const MOST_FRAMES = 1000;
 const LATE_MS = 2000;
@@ -7,7 +8,7 @@ const RATE_MS = 1000; // between two looks at how often a frame came
 
 /** The tree of transforms: who is whose parent, how often each comes, and what is wrong with it. */
 export class FramesView {
-  static title = "Frames of tf";
+  static title = say("view.frames");
   static types = ["tf2_msgs/msg/TFMessage"];
 
   options = {};
@@ -95,16 +96,16 @@ export class FramesView {
       }
     };
     for (const [root, list] of roots) grow(root, list);
-    this.#tree.replaceChildren(...[...roots].map(([root, list]) => element("li", {}, element("bdi", { className: "frame" }, root || "a frame without a name"), list)));
+    this.#tree.replaceChildren(...[...roots].map(([root, list]) => element("li", {}, element("bdi", { className: "frame" }, root || say("where.nameless")), list)));
     this.#lost = [...this.#frames.values()].filter((each) => !reached.has(each));
     this.#roots = [...roots.keys()];
   }
 
   #tell() {
-    const words = this.#hasLeftOut ? [`There are too many frames: ${MOST_FRAMES} are shown.`] : [];
-    if (this.#roots.length > 1) words.push(`${this.#roots.length} trees are not connected: ${this.#roots.join(", ")}.`);
-    if (this.#lost.length) words.push(`These frames are their own parents: ${this.#lost.map(({ name }) => name).join(", ")}.`);
-    for (const { name, parents } of this.#frames.values()) if (parents.size > 1) words.push(`${name} has several parents: ${[...parents].join(", ")}.`);
+    const words = this.#hasLeftOut ? [say("tf.many", { most: MOST_FRAMES })] : [];
+    if (this.#roots.length > 1) words.push(say("tf.apart", { count: this.#roots.length, names: this.#roots.join(", ") }));
+    if (this.#lost.length) words.push(say("tf.loop", { names: this.#lost.map(({ name }) => name).join(", ") }));
+    for (const { name, parents } of this.#frames.values()) if (parents.size > 1) words.push(say("tf.parents", { name, names: [...parents].join(", ") }));
     if (words.join() === [...this.#problems.children].map((each) => each.textContent).join()) return;
     this.#problems.replaceChildren(...words.map((each) => element("li", {}, each)));
   }
@@ -149,7 +150,7 @@ class Frame {
       this.#count = 0;
     }
     const { ageMs, isLate } = this;
-    const words = this.isStatic ? "static" : isLate ? `${span(ageMs)} old` : `${this.#hz.toFixed(this.#hz < 10 ? 1 : 0)} Hz`;
+    const words = this.isStatic ? say("tf.static") : isLate ? say("tf.old", { age: span(ageMs) }) : `${this.#hz.toFixed(this.#hz < 10 ? 1 : 0)} Hz`;
     if (this.#about.textContent === words) return;
     this.#about.textContent = words;
     this.#about.classList.toggle("late", isLate);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { Choice, fieldOf, NUMBER_TYPES } from "./choice.js";
 import { asked, isNumber, valueAt, written } from "./numbers.js";
 import { unitOf } from "./units.js";
@@ -10,7 +11,7 @@ const ARC = "M 10 60 A 50 50 0 0 1 110 60";
 
 /** One number on a dial, between two ends. An end that is not set grows with the values. */
 export class GaugeView {
-  static title = "Gauge";
+  static title = say("view.gauge");
   static types = NUMBER_TYPES;
   static isForAll = true;
 
@@ -29,12 +30,12 @@ export class GaugeView {
     this.#unit = unitOf(card.type, this.#path);
     if (FROM_0_TO_1.includes(this.#path.split(".").at(-1))) this.#seen.high = 1;
     if (!this.#path) {
-      this.#choice = new Choice(this.element, "Which number?", (path) => card.choose(path));
+      this.#choice = new Choice(this.element, say("choose.number"), (path) => card.choose(path));
       return;
     }
     const picture = shape("svg", { viewBox: "0 0 120 66", "aria-hidden": "true" }, shape("path", { d: ARC, class: "off" }), this.#way);
     this.#ends = Object.fromEntries(["low", "high"].map((name) => [name, input(card, name)]));
-    const ends = Object.entries(this.#ends).map(([name, its]) => element("label", {}, `${name} `, its));
+    const ends = Object.entries(this.#ends).map(([name, its]) => element("label", {}, `${say(`ends.${name}`)} `, its));
     this.element.append(picture, this.#value, element("p", { className: "quiet" }, this.#path), element("div", { className: "tools" }, ...ends));
   }
 
@@ -50,7 +51,7 @@ export class GaugeView {
   show(message) {
     if (this.#choice) return this.#choice.show(message);
     const value = Number(valueAt(message, this.#path) ?? NaN);
-    if (!isNumber(valueAt(message, this.#path))) throw new TypeError(`${this.#path} is not a number`);
+    if (!isNumber(valueAt(message, this.#path))) throw new TypeError(say("number.none", { path: this.#path }));
     this.#value.textContent = `${written(value)} ${this.#unit}`.trim();
     if (!Number.isFinite(value)) return;
     this.#seen = { low: Math.min(this.#seen.low, -above(-value)), high: Math.max(this.#seen.high, above(value)) };
@@ -66,7 +67,7 @@ export class GaugeView {
 
 /** Return a field for an end of the dial, which the card keeps. */
 function input(card, name) {
-  const made = element("input", { type: "number", step: "any", value: card.settings[name] ?? "", aria: { label: `${name} end of ${card.topic}` } });
+  const made = element("input", { type: "number", step: "any", value: card.settings[name] ?? "", aria: { label: say(`ends.${name}.of`, { topic: card.topic }) } });
   made.onchange = () => card.keep(name, made.value);
   return made;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, token } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { anglesOf } from "./angles.js";
 import { written } from "./numbers.js";
 import { Pairs } from "./pairs.js";
@@ -12,7 +13,7 @@ const DEGREES = 180 / Math.PI;
 
 /** The attitude of an IMU as an artificial horizon, with its turn rates and accelerations. */
 export class ImuView {
-  static title = "Attitude";
+  static title = say("view.imu");
   static types = ["sensor_msgs/msg/Imu"];
 
   options = { throttle_rate: 50 };
@@ -21,7 +22,7 @@ export class ImuView {
   #values = new Pairs();
 
   constructor(card) {
-    this.#canvas = element("canvas", { className: "picture", width: SIZE, height: SIZE, role: "img", aria: { label: `attitude of ${card.topic}` } });
+    this.#canvas = element("canvas", { className: "picture", width: SIZE, height: SIZE, role: "img", aria: { label: say("imu.label", { topic: card.topic }) } });
     this.#pen = this.#canvas.getContext("2d");
     this.element = element("div", { className: "beside" }, this.#canvas, this.#values.element);
   }
@@ -30,11 +31,11 @@ export class ImuView {
     const attitude = covariance[0] === -1 ? null : anglesOf(orientation); // -1: it measures none
     this.#canvas.hidden = !attitude;
     if (attitude) this.#draw(attitude);
-    const angles = Object.entries(attitude ?? {}).map(([name, angle]) => /** @type {[string, string]} */ ([name, `${(angle * DEGREES).toFixed(1)}°`]));
+    const angles = Object.entries(attitude ?? {}).map(([name, angle]) => /** @type {[string, string]} */ ([say(`angle.${name}`), `${(angle * DEGREES).toFixed(1)}°`]));
     this.#values.show([
-      ...(angles.length ? angles : [/** @type {[string, string]} */ (["orientation", "not measured"])]),
-      ["turn rate", inAll(turns, "rad/s")],
-      ["acceleration", inAll(pushes, "m/s²")],
+      ...(angles.length ? angles : [/** @type {[string, string]} */ ([say("imu.orientation"), say("unmeasured")])]),
+      [say("imu.turning"), inAll(turns, "rad/s")],
+      [say("imu.acceleration"), inAll(pushes, "m/s²")],
     ]);
   }
 

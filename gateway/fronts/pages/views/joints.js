@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { limitsOf } from "./joint_limits.js";
 import { written } from "./numbers.js";
 
@@ -9,7 +10,7 @@ const NEAR = 0.05; // of the way between two limits
 
 /** The positions of joints as bars between their limits, which the URDF on `robot_description` has. */
 export class JointsView {
-  static title = "Joints";
+  static title = say("view.joints");
   static types = ["sensor_msgs/msg/JointState"];
 
   options = { throttle_rate: 66 };
@@ -17,7 +18,7 @@ export class JointsView {
   /** @type {Map<string, import("./joint_limits.js").Limit>} */
   #limits = new Map();
   #rows = new Map(); // name -> Joint
-  #leftOut = element("p", { className: "quiet", hidden: true }, `There are more joints: ${MOST_JOINTS} are shown.`);
+  #leftOut = element("p", { className: "quiet", hidden: true }, say("joints.many", { most: MOST_JOINTS }));
   #end;
 
   constructor(card) {
@@ -55,7 +56,7 @@ class Joint {
   #value = element("output");
 
   constructor(name) {
-    this.#bar = element("meter", { aria: { label: `position of ${name}` } });
+    this.#bar = element("meter", { aria: { label: say("joints.of", { name }) } });
     this.element = element("div", { className: "row" }, element("bdi", {}, name), this.#bar, this.#value);
   }
 
@@ -69,10 +70,10 @@ class Joint {
     // in this order: a bar keeps each within the one before
     Object.assign(this.#bar, { min, max, low: min + (hasEnds ? margin : 0), high: max - (hasEnds ? margin : 0), optimum: (min + max) / 2, value: shown });
     const unit = type === "prismatic" ? "m" : "rad";
-    const parts = [Number.isFinite(position) ? `${written(position)} ${unit}` : "not measured"];
+    const parts = [Number.isFinite(position) ? `${written(position)} ${unit}` : say("unmeasured")];
     if (Number.isFinite(velocity)) parts.push(`${written(velocity)} ${unit}/s`);
     if (Number.isFinite(effort)) parts.push(`${written(effort)} ${type === "prismatic" ? "N" : "N·m"}`);
-    if (isNear) parts.push(value < lower || value > upper ? "beyond its limit" : "near its limit");
+    if (isNear) parts.push(value < lower || value > upper ? say("joints.beyond") : say("joints.near"));
     this.#value.textContent = parts.join(" · ");
   }
 }

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { written } from "./numbers.js";
 
 const MOST = 64; // of axes, and of buttons
 
 /** The axes of a joystick as bars, and its buttons as lamps. */
 export class JoyView {
-  static title = "Joystick";
+  static title = say("view.joy");
   static types = ["sensor_msgs/msg/Joy"];
 
   options = { throttle_rate: 50 };
   #axes = [];
   #buttons = [];
   #rows = element("div", { className: "rows" });
-  #lamps = element("ul", { className: "lamps", aria: { label: "buttons" } });
-  #none = element("p", { className: "quiet", hidden: true }, "It has no axes and no buttons.");
+  #lamps = element("ul", { className: "lamps", aria: { label: say("joy.buttons") } });
+  #none = element("p", { className: "quiet", hidden: true }, say("joy.none"));
 
   constructor() {
     this.element = element("div", {}, this.#rows, this.#lamps, this.#none);
@@ -30,16 +31,16 @@ export class JoyView {
     }
     for (const [index, lamp] of this.#buttons.entries()) {
       lamp.dataset.on = buttons[index] ? "yes" : "no";
-      lamp.textContent = `${index}${buttons[index] ? ": on" : ""}`;
+      lamp.textContent = buttons[index] ? say("joy.on", { index }) : String(index);
     }
   }
 
   #addAxis() {
     const index = this.#axes.length;
-    const bar = element("meter", { min: -1, max: 1, aria: { label: `axis ${index}` } });
+    const bar = element("meter", { min: -1, max: 1, aria: { label: say("joy.axis", { index }) } });
     const value = element("output");
     this.#axes.push({ bar, value });
-    this.#rows.append(element("div", { className: "row" }, `axis ${index}`, bar, value));
+    this.#rows.append(element("div", { className: "row" }, say("joy.axis", { index }), bar, value));
   }
 
   #addButton() {

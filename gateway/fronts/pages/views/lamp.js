@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 
 /** A lamp that is on while the newest message says true. */
 export class LampView {
-  static title = "Lamp";
+  static title = say("view.lamp");
   static types = ["std_msgs/msg/Bool"];
 
   options = {};
@@ -11,6 +12,6 @@ export class LampView {
 
   show({ data }) {
     this.element.dataset.on = data ? "yes" : "no";
-    this.element.textContent = data ? "on" : "off";
+    this.element.textContent = data ? say("lamp.on") : say("lamp.off");
   }
 }

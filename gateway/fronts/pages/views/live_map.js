@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A map that is painted again when a part of it changes: `map_msgs/msg/OccupancyGridUpdate` on its topic with `_updates` behind it.
 
+import { say } from "../shared/language.js";
 import { Newest } from "./newest.js";
 import { palette } from "./occupancy.js";
 import { Painter } from "./painter.js";
@@ -24,13 +25,12 @@ export class LiveMap {
 
   /**
    * @param {{tell: (words: string) => void, untell: (words: string) => void}} card says what cannot be shown
-   * @param {string} what names the map in words
    * @param {{check: (message: any) => void, show: (message: any, painted: {bitmap: ImageBitmap, cells: number, values: Int8Array}) => void,
    *   colours?: () => Uint32Array}} does
    *   `check` throws an error if a map cannot be shown, and `show` gets each painted one
    */
-  constructor(card, what, { check, show, colours = palette }) {
-    this.#newest = new Newest(card, () => what, (message) => this.#paint(message));
+  constructor(card, { check, show, colours = palette }) {
+    this.#newest = new Newest(card, (_, why) => say("map.unshown", { why }), (message) => this.#paint(message));
     [this.#check, this.#show, this.#colours] = [check, show, colours];
   }
 

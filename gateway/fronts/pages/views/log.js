@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { count, locale, say } from "../shared/language.js";
 import { LogLines } from "./log_lines.js";
 
 const LINE = 20; // pixels: all lines are as high, so that only those that are seen are made
@@ -11,7 +12,7 @@ const NAMES = [[50, "fatal"], [40, "error"], [30, "warning"], [20, "info"], [0, 
 
 /** `/rosout` as lines, the newest last, by level, node and text. One line is shown as a whole below. */
 export class LogView {
-  static title = "Log";
+  static title = say("view.log");
   static types = ["rcl_interfaces/msg/Log"];
 
   options = {};
@@ -27,7 +28,7 @@ export class LogView {
   #counts = element("p");
   #reel = element("ul", { role: "listbox", tabIndex: 0 }); // as long as all lines
   #window = element("div", { className: "window" }, this.#reel);
-  #none = element("p", { className: "quiet", hidden: true }, "No line fits: choose all levels and nodes, and clear the text.");
+  #none = element("p", { className: "quiet", hidden: true }, say("log.none"));
   #whole = element("p", { className: "whole", role: "status" });
   #chosen = null; // a line
   #drawn = ""; // which lines are there
@@ -36,14 +37,14 @@ export class LogView {
   constructor(card) {
     this.#card = card;
     const { level, node = "", text = "" } = card.settings;
-    this.#level = element("select", { aria: { label: `least level of ${card.topic}` } }, ...Object.keys(LEAST).map((each) => new Option(each)));
+    this.#level = element("select", { aria: { label: say("least.of", { topic: card.topic }) } }, ...Object.keys(LEAST).map((each) => new Option(say(`least.${each}`), each)));
     this.#level.value = level in LEAST ? level : "all";
-    this.#node = element("select", { aria: { label: `node of ${card.topic}` } }, new Option("all nodes", ""), ...(node ? [new Option(node)] : []));
+    this.#node = element("select", { aria: { label: say("log.node", { topic: card.topic }) } }, new Option(say("log.nodes"), ""), ...(node ? [new Option(node)] : []));
     this.#node.value = node;
-    this.#search = element("input", { type: "search", placeholder: "text", value: text, autocomplete: "off", aria: { label: `text in ${card.topic}` } });
+    this.#search = element("input", { type: "search", placeholder: say("log.text"), value: text, autocomplete: "off", aria: { label: say("log.text.of", { topic: card.topic }) } });
     this.#lines = new LogLines(this.#filter);
     this.#level.onchange = this.#node.onchange = this.#search.oninput = () => this.#choose();
-    this.#reel.setAttribute("aria-label", `lines of ${card.topic}`);
+    this.#reel.setAttribute("aria-label", say("log.lines.of", { topic: card.topic }));
     this.#reel.onkeydown = (event) => this.#press(event);
     this.#reel.onclick = ({ target }) => this.#look(Number(target.closest("li")?.dataset.at ?? NaN));
     this.#window.onscroll = () => this.#write();
@@ -107,7 +108,7 @@ export class LogView {
     if (this.#reel.style.height !== height) this.#reel.style.height = height;
     this.#none.hidden = shown.length > 0 || counts.lines === 0;
     this.#window.hidden = shown.length === 0;
-    const words = [`${shown.length} of ${counts.lines} lines`, `${counts.errors} errors`, `${counts.warnings} warnings`].join(" · ");
+    const words = [say("log.lines", { shown: shown.length, all: counts.lines }), count("level.error", counts.errors), count("level.warning", counts.warnings)].join(" · ");
     if (this.#counts.textContent !== words) this.#counts.textContent = words;
   }
 
@@ -146,8 +147,8 @@ export class LogView {
     if (!line) return;
     this.#chosen = line;
     const { level, stamp, name, msg, file, function: its, line: number } = line;
-    const where = file ? ` (${[file, its].filter(Boolean).join(", ")}, line ${number})` : "";
-    this.#whole.replaceChildren(`${timeOf(stamp)} ${nameOf(level)} `, element("bdi", {}, name), ": ", element("bdi", {}, msg), where);
+    const where = file ? ` (${say("log.where", { place: [file, its].filter(Boolean).join(", "), number })})` : "";
+    this.#whole.replaceChildren(`${timeOf(stamp)} ${say(`level.${nameOf(level)}`)} `, element("bdi", {}, name), ": ", element("bdi", {}, msg), where);
     const top = at * LINE;
     const { scrollTop, clientHeight } = this.#window;
     if (top < scrollTop) this.#window.scrollTop = top;
@@ -166,4 +167,4 @@ export class LogView {
 
 const nameOf = (level) => NAMES.find(([least]) => level >= least)?.[1] ?? "debug";
 
-const timeOf = ({ sec = 0, nanosec = 0 }) => `${new Date(sec * 1000).toLocaleTimeString()}.${String(Math.floor(nanosec / 1e6)).padStart(3, "0")}`;
+const timeOf = ({ sec = 0, nanosec = 0 }) => `${new Date(sec * 1000).toLocaleTimeString(locale)}.${String(Math.floor(nanosec / 1e6)).padStart(3, "0")}`;

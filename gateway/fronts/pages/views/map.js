@@ -9,7 +9,7 @@ import { Whereabouts } from "./whereabouts.js";
 
 /** A map with the robot and the first laser scan in it, as far as ROS knows where they are. */
 export class MapView {
-  static title = "Map";
+  static title = say("view.map");
   static types = ["nav_msgs/msg/OccupancyGrid"];
 
   options = MAP_OPTIONS;
@@ -30,7 +30,7 @@ export class MapView {
     this.#card = card;
     this.#plan = new Plan(say("map.label", { topic: card.topic }));
     const show = (message, painted) => this.#lay(message, painted);
-    this.#live = new LiveMap(card, "this map", { check: ({ info }) => shapeOf(info), show });
+    this.#live = new LiveMap(card, { check: ({ info }) => shapeOf(info), show });
     this.#live.follow(card.gateway, card.topic);
     const drawn = element("div", { className: "overlaid" }, this.#plan.element, this.#missing);
     this.element = drawn;
@@ -111,7 +111,7 @@ export class MapView {
 function shapeOf({ resolution, width, height, origin }) {
   const { x, y } = origin.position;
   const [wide, high] = [width * resolution, height * resolution];
-  if (!(resolution > 0 && Number.isFinite(wide + high + x + y))) throw new RangeError(`its cells are ${resolution} m wide`);
+  if (!(resolution > 0 && Number.isFinite(wide + high + x + y))) throw new RangeError(say("map.cells", { metres: resolution }));
   insist(x, y, wide, high);
   return { resolution, height, wide, high, x, y, yaw: yawOf(origin.orientation) };
 }

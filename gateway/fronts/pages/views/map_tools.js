@@ -2,6 +2,7 @@
 // The tools of a map in a card: zoom, move, follow, and send the robot to a place.
 
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { Navigation, pickedRobot } from "../scene/navigation.js";
 import { GoalLine, POSE_TOOLS, Tools } from "../scene/navigation_bar.js";
 import { PoseDrag } from "../scene/pose_drag.js";
@@ -32,7 +33,7 @@ export class MapTools {
   #line;
   #drag;
   #tools;
-  #follow = element("button", { type: "button", title: "keep the robot in the middle", aria: { pressed: "false" } }, "Follow");
+  #follow = element("button", { type: "button", title: say("follow.about"), aria: { pressed: "false" } }, say("follow"));
 
   /**
    * @param {import("./plan.js").Plan} plan
@@ -89,8 +90,8 @@ export class MapTools {
       this.#changed();
     };
     this.#tools.element.append(
-      button("+", "zoom in", () => this.#zoomTo(this.#zoom * STEP)), button("−", "zoom out", () => this.#zoomTo(this.#zoom / STEP)),
-      button("Fit", "Fit all of the map", () => this.#fit()), this.#follow,
+      button("+", say("zoom.in"), () => this.#zoomTo(this.#zoom * STEP)), button("−", say("zoom.out"), () => this.#zoomTo(this.#zoom / STEP)),
+      button(say("zoom.fit"), say("zoom.fit.about"), () => this.#fit()), this.#follow,
     );
     return this.#tools.element;
   }

@@ -14,13 +14,13 @@ self.onmessage = async ({ data: { map, patches, colours } }) => {
   try {
     if (map) kept = null;
     if (map) kept = { width: map.width, height: map.height, octets: await octetsOf(map) };
-    if (!kept) throw new RangeError("there is no map yet");
-    const misfits = patches.filter((each) => !patch(kept, each)).map(inWords);
-    if (misfits.length) throw new RangeError(`${misfits[0]} does not fit into ${kept.width} x ${kept.height} cells`);
+    if (!kept) throw new RangeError("none", { cause: {} });
+    const misfits = patches.filter((each) => !patch(kept, each)).map(({ data, ...place }) => ({ ...place, count: data.length }));
+    if (misfits.length) throw new RangeError("update", { cause: { ...misfits[0], wide: kept.width, high: kept.height } });
     const painted = paint(kept, colours);
     self.postMessage(painted, { transfer: [painted.bitmap, painted.values.buffer] });
   } catch (error) {
-    self.postMessage({ problem: error.message });
+    self.postMessage({ problem: error.message, values: error.cause });
   }
 };
 
@@ -53,8 +53,6 @@ function patch(map, { x, y, width, height, data }) {
   for (let row = 0; row < height; row += 1) map.octets.set(data.slice(row * width, (row + 1) * width), (y + row) * map.width + x);
   return true;
 }
-
-const inWords = ({ x, y, width, height, data }) => `an update of ${width} x ${height} cells at ${x}, ${y} with ${data.length} values`;
 
 async function octetsOf({ width, height, data, format }) {
   if (format) return octetsOfPicture(data, width, height);

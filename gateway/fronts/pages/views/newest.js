@@ -3,7 +3,7 @@
 /** Shows the newest message, if that takes a while. Only the newest of the others waits. */
 export class Newest {
   #card;
-  #what;
+  #words;
   #show;
   #next = null;
   #isBusy = false;
@@ -11,12 +11,12 @@ export class Newest {
 
   /**
    * @param {{tell: (words: string) => void, untell: (words: string) => void}} card says what cannot be shown, until something can
-   * @param {(message: any) => string} what names a message in words
+   * @param {(message: any, why: string) => string} words says that a message cannot be shown, and why
    * @param {(message: any) => Promise<void>} show rejects if it cannot
    */
-  constructor(card, what, show) {
+  constructor(card, words, show) {
     this.#card = card;
-    this.#what = what;
+    this.#words = words;
     this.#show = show;
   }
 
@@ -38,7 +38,7 @@ export class Newest {
       await this.#show(message);
       this.#failure = "";
     } catch (error) {
-      this.#failure = `${this.#what(message)} cannot be shown: ${error.message}`;
+      this.#failure = this.#words(message, error.message);
     }
     if (before && before !== this.#failure) this.#card.untell(before);
     if (this.#failure) this.#card.tell(this.#failure);

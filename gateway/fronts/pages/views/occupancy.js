@@ -5,10 +5,10 @@ import { token } from "../shared/dom.js";
 
 const LONGEST = 4096; // pixels of a side: what any GPU takes, for a map that is long and narrow
 
-/** Throw an error with words unless a map has as many cells as it says. */
+/** Throw an error unless a map has as many cells as it says: `map.wrong.` leads to its words, with the values of its cause, because a worker has no language. */
 export function insistOnCells(width, height, count) {
-  if (!(width > 0 && height > 0)) throw new RangeError(`it has ${width} x ${height} cells`);
-  if (count !== width * height) throw new RangeError(`${width} x ${height} cells, but ${count} values`);
+  if (!(width > 0 && height > 0)) throw new RangeError("size", { cause: { width, height } });
+  if (count !== width * height) throw new RangeError("count", { cause: { width, height, count } });
 }
 
 /** Return how many cells a pixel has to be wide, for a map in at most so many pixels. */

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { say } from "../shared/language.js";
 import { palette } from "./occupancy.js";
 
 /** How a map is asked for: of a large one a picture is a tenth, or less. One that grows comes as a whole. */
@@ -18,8 +19,8 @@ export class Painter {
   paint(map, patches = [], colours = palette()) {
     const { info: { width = 0, height = 0 } = {}, data = null, format = "" } = map ?? {};
     return new Promise((resolve, reject) => {
-      this.#worker.onmessage = ({ data: { problem, ...painted } }) => (problem ? reject(new Error(problem)) : resolve(painted));
-      this.#worker.onerror = ({ message }) => reject(new Error(message || "its worker does not start"));
+      this.#worker.onmessage = ({ data: { problem, values, ...painted } }) => (problem ? reject(new Error(values ? say(`map.wrong.${problem}`, values) : problem)) : resolve(painted));
+      this.#worker.onerror = ({ message }) => reject(new Error(message || say("worker.none")));
       this.#worker.postMessage({ map: map && { width, height, data, format }, patches, colours });
     });
   }

@@ -17,7 +17,7 @@ export class Picture {
   constructor(card, shown = () => {}) {
     this.element = this.#canvas;
     this.#canvas.setAttribute("aria-label", say("image.label", { topic: card.topic }));
-    this.#newest = new Newest(card, ({ format }) => `this image (${format})`, async (message) => {
+    this.#newest = new Newest(card, ({ format }, why) => say("image.unshown", { format, why }), async (message) => {
       await this.#decode(message);
       shown(message);
     });

@@ -2,6 +2,7 @@
 // A canvas that shows the world from above. Metres and radians as REP 103 has them: x is right, y is up.
 
 import { element, token } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 
 const SIZE = 480; // pixels
 const MARGIN = 12;
@@ -17,8 +18,8 @@ export function yawOf({ x = 0, y = 0, z = 0, w = 1 }) {
 
 /** Throw an error with words unless a place can be drawn, or a distance. */
 export function insist(...metres) {
-  if (!metres.every(Number.isFinite)) throw new RangeError("a place in it is not a number");
-  if (metres.some((each) => Math.abs(each) > FARTHEST)) throw new RangeError("it lies over a million km away");
+  if (!metres.every(Number.isFinite)) throw new RangeError(say("plan.number"));
+  if (metres.some((each) => Math.abs(each) > FARTHEST)) throw new RangeError(say("plan.far"));
 }
 
 /** A picture from above. `begin` says which part of the world it shows. */

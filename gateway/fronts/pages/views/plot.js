@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { asked, isNumber, valueAt, written } from "./numbers.js";
 import { against, join, overTime } from "./plot_chart.js";
 import { changes, csv, pairs, Samples, unitOfChange } from "./plot_data.js";
@@ -20,10 +21,10 @@ const STAMP = "header.stamp";
 
 /** Numeric fields of one topic or several over some time, how fast they change, or one against another, with their values at the pointer. */
 export class PlotView {
-  static title = "Plot";
+  static title = say("view.plot");
 
   /** What to do with a plot that stands still, in words. */
-  held = "drag across the plot to zoom, double-click to see all, and move the slider to go back";
+  held = say("plot.held");
   element = element("div", { className: "plot" });
   #card;
   /** @type {Curve[]} those of a topic next to each other */
@@ -88,7 +89,7 @@ export class PlotView {
 
   show(message = null) {
     if (this.#choice) {
-      if (!this.#choice.element.isConnected) this.element.append("Which number? ", this.#choice.element);
+      if (!this.#choice.element.isConnected) this.element.append(say("choose.number"), " ", this.#choice.element);
       this.#choice.show(message);
       return;
     }
@@ -178,7 +179,7 @@ export class PlotView {
     const time = this.#tools.isStamped ? sec + nanosec / 1e9 : performance.now() / 1000;
     const hasBegunAgain = this.#samples.get(topic).add(time, values);
     if (hasBegunAgain) for (const each of this.#samples.values()) each.forgetAfter(time); // or the window would wait at their end
-    if (strange) throw new TypeError(`${strange} is not a number`);
+    if (strange) throw new TypeError(say("number.none", { path: strange }));
   }
 
   #keepOther(topic, message) {
@@ -246,7 +247,7 @@ export class PlotView {
   /** Write the value of each curve next to its name: the one at the pointer, or else the newest. */
   #label() {
     const place = this.#tools.mode === "xy" ? -1 : this.#plot.cursor.idx ?? -1;
-    const time = place < 0 ? "" : `, ${(-this.#since(this.#drawn[0][place])).toFixed(1)} s ago`;
+    const time = place < 0 ? "" : `, ${say("plot.ago", { seconds: (-this.#since(this.#drawn[0][place])).toFixed(1) })}`;
     const skipped = this.#tools.mode === "xy" ? 1 : 0; // the one on the axis
     this.#curves.slice(skipped).forEach(({ field, topic, path }, index) => {
       const isChange = this.#tools.mode === "change";

@@ -2,6 +2,7 @@
 // The drawing of a plot, by uPlot: curves over time, or one number against another.
 
 import { token } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import uPlot from "../vendor/uplot.js";
 
 const LINE = 1.5; // pixels
@@ -69,7 +70,7 @@ function made(options, data, place, owner, skipped) {
   labels.forEach((label, index) => {
     label.tabIndex = 0;
     label.setAttribute("role", "button");
-    label.title = "hide or show this curve";
+    label.title = say("plot.curve");
     label.onkeydown = (event) => {
       if (event.key !== "Enter" && event.key !== " ") return;
       event.preventDefault();

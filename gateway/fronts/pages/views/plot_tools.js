@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, span } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { TreeView } from "./tree.js";
 
 const SPANS_S = [10, 30, 60, 120, 300, 600];
 const USUAL_S = 30;
-const MODES = { value: "values", change: "change per second", xy: "first against others" };
-const TIMES = { arrival: "by arrival", stamp: "by stamp" };
+const MODES = ["value", "change", "xy"];
+const TIMES = ["arrival", "stamp"];
 const STEP_S = 0.1; // of the slider
 const FREED_MS = 10_000; // by then a browser has read a file that it saves
 
@@ -28,18 +29,18 @@ export class PlotTools {
    */
   constructor(card, plot) {
     this.#card = card;
-    this.#span = select(card, plot, "window", Object.fromEntries(SPANS_S.map((each) => [each, span(each * 1000).replace(".0", "")])), USUAL_S);
-    this.#mode = select(card, plot, "mode", MODES, "value");
-    this.#time = select(card, plot, "time", TIMES, "arrival");
-    this.#others = element("select", { aria: { label: `add a topic to the plot of ${card.topic}` } }, new Option("add a topic", ""));
+    this.#span = select(card, plot, "window", SPANS_S.map((each) => new Option(span(each * 1000).replace(".0", ""), String(each))), USUAL_S);
+    this.#mode = select(card, plot, "mode", MODES.map((each) => new Option(say(`plot.mode.${each}`), each)), "value");
+    this.#time = select(card, plot, "time", TIMES.map((each) => new Option(say(`plot.time.${each}`), each)), "arrival");
+    this.#others = element("select", { aria: { label: say("plot.add.to", { topic: card.topic }) } }, new Option(say("plot.add"), ""));
     this.#others.onfocus = () => this.#offer();
     this.#others.onchange = () => this.#choose(this.#others.value, plot);
-    const save = element("button", { type: "button", title: "save all that is kept as a file", aria: { label: `CSV of ${card.topic}` } }, "CSV");
+    const save = element("button", { type: "button", title: say("plot.csv.about"), aria: { label: say("plot.csv.of", { topic: card.topic }) } }, "CSV");
     save.onclick = () => download(`${card.topic.slice(1).replaceAll("/", "-")}.csv`, plot.csv());
     this.element = element("div", {}, element("div", { className: "tools" }, this.#span, this.#mode, this.#time, this.#others, save), this.#choice);
-    this.#back = element("input", { type: "range", max: 0, step: STEP_S, value: 0, aria: { label: `seconds back in the plot of ${card.topic}` } });
+    this.#back = element("input", { type: "range", max: 0, step: STEP_S, value: 0, aria: { label: say("plot.back.of", { topic: card.topic }) } });
     this.#back.oninput = () => plot.panned();
-    this.slider = element("label", { className: "back", hidden: true }, "back ", this.#back);
+    this.slider = element("label", { className: "back", hidden: true }, `${say("plot.back")} `, this.#back);
   }
 
   /** Seconds that are seen. */
@@ -74,7 +75,7 @@ export class PlotTools {
 
   #offer() {
     const names = [...this.#card.gateway.graph.topics.values()].filter(({ publishers }) => publishers.length).map(({ name }) => name).sort();
-    this.#others.replaceChildren(new Option("add a topic", ""), ...names.map((each) => new Option(each)));
+    this.#others.replaceChildren(new Option(say("plot.add"), ""), ...names.map((each) => new Option(each)));
   }
 
   /** Show the numbers of a topic, until one is chosen. */
@@ -88,7 +89,7 @@ export class PlotTools {
       this.#others.value = "";
       plot.add(topic === this.#card.topic ? path : `${topic}:${path}`);
     } });
-    this.#choice.append(`Which number of ${topic}? `, tree.element);
+    this.#choice.append(`${say("choose.number.of", { topic })} `, tree.element);
     const end = this.#card.gateway.subscribe(topic, tree.options, (message) => tree.show(message), ({ msg }) => this.#card.tell(msg));
     this.#end = () => {
       end();
@@ -98,9 +99,9 @@ export class PlotTools {
 }
 
 /** Return a choice that the card keeps. */
-function select(card, plot, name, words, usual) {
-  const made = element("select", { aria: { label: `${name} of ${card.topic}` } }, ...Object.entries(words).map(([value, text]) => new Option(text, value)));
-  made.value = card.settings[name] in words ? card.settings[name] : String(usual);
+function select(card, plot, name, options, usual) {
+  const made = element("select", { aria: { label: say(`plot.${name}.of`, { topic: card.topic }) } }, ...options);
+  made.value = options.some(({ value }) => value === card.settings[name]) ? card.settings[name] : String(usual);
   made.onchange = () => {
     card.keep(name, made.value, usual);
     plot.changed(name);

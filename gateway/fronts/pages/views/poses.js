@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { say } from "../shared/language.js";
 import { insist, Plan, yawOf } from "./plan.js";
 
 const MOST_POSES = 5000; // that are drawn: a particle filter has about as many
@@ -6,14 +7,14 @@ const LEAST_REACH = 0.5; // metres
 
 /** All poses of a message as arrows from above, such as the particles of a localization. */
 export class PosesView {
-  static title = "Poses";
+  static title = say("view.poses");
   static types = ["geometry_msgs/msg/PoseArray"];
 
   options = { compression: "cbor", throttle_rate: 100 };
   #plan;
 
   constructor(card) {
-    this.#plan = new Plan(`poses of ${card.topic}, seen from above`);
+    this.#plan = new Plan(say("poses.label", { topic: card.topic }));
     this.element = this.#plan.element;
   }
 

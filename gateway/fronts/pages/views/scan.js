@@ -6,7 +6,7 @@ const HERE = { x: 0, y: 0, yaw: 0 };
 
 /** A laser scan from above: forward, the x of its frame, is up. */
 export class ScanView {
-  static title = "Scan";
+  static title = say("view.scan");
   static types = ["sensor_msgs/msg/LaserScan"];
 
   options = { compression: "cbor", throttle_rate: 50 };
@@ -19,7 +19,7 @@ export class ScanView {
 
   show(scan) {
     const { ranges, range_min: least, range_max: most } = scan;
-    if (!Number.isFinite(scan.angle_min + scan.angle_increment)) throw new RangeError("an angle in it is not a number");
+    if (!Number.isFinite(scan.angle_min + scan.angle_increment)) throw new RangeError(say("scan.number"));
     const farthest = ranges.reduce((far, each) => (isHit(each, least, most) ? Math.max(far, each) : far), 1);
     this.#plan.begin(HERE, farthest, HERE.yaw);
     this.#plan.rings(HERE, farthest);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { say } from "../shared/language.js";
 import { insist, Plan, yawOf } from "./plan.js";
 
 const MOST_PLACES = 2000;
@@ -40,7 +41,7 @@ export class Trail {
 
 /** The way of something that moves, from above. Of a path all of it. */
 export class TrailView {
-  static title = "Trail";
+  static title = say("view.trail");
   static types = ["nav_msgs/msg/Odometry", "nav_msgs/msg/Path", "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/PoseWithCovarianceStamped"];
 
   options = { throttle_rate: 30 };
@@ -48,7 +49,7 @@ export class TrailView {
   #trail = new Trail();
 
   constructor(card) {
-    this.#plan = new Plan(`trail of ${card.topic}, seen from above`);
+    this.#plan = new Plan(say("trail.label", { topic: card.topic }));
     this.element = this.#plan.element;
   }
 

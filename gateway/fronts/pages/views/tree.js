@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { meaningOf } from "./meaning.js";
 import { isNumber, NON_FINITE } from "./numbers.js";
 
@@ -10,7 +11,7 @@ const LARGE_BYTES = 100_000; // of a message: more is fetched on demand, as only
 
 /** All fields of a message with their values. A number can be plotted. Of a large message, arrays come on demand. */
 export class TreeView {
-  static title = "Fields";
+  static title = say("view.tree");
 
   options = { throttle_rate: 200 };
   element = element("div", { className: "tree" });
@@ -29,7 +30,7 @@ export class TreeView {
   }
 
   show(message, data) {
-    this.#empty.textContent = isNested(message) ? "" : "no fields";
+    this.#empty.textContent = isNested(message) ? "" : say("tree.none");
     this.#fields.show(message);
     if (!this.#isSorted && this.#card.sortedFields && (data?.length ?? data?.byteLength) > LARGE_BYTES) this.#leaveOut();
   }
@@ -45,7 +46,7 @@ export class TreeView {
     if (!large.length || this.#isClosed) return; // its card has gone, or shows another view
     this.options = { ...this.options, fields: small };
     const buttons = large.map((path) => {
-      const button = element("button", { type: "button", aria: { label: `fetch ${path}` } }, "Fetch ", element("bdi", {}, path));
+      const button = element("button", { type: "button", aria: { label: say("tree.fetch.of", { path }) } }, `${say("tree.fetch")} `, element("bdi", {}, path));
       button.onclick = () => {
         this.options = { ...this.options, fields: [...this.options.fields, path] };
         button.remove();
@@ -54,7 +55,7 @@ export class TreeView {
       };
       return button;
     });
-    this.#leftOut.append("Left out, because the message is large: ", ...buttons);
+    this.#leftOut.append(`${say("tree.left")} `, ...buttons);
     this.#leftOut.hidden = false;
     this.#card.subscribe();
   }
@@ -110,8 +111,8 @@ class Group {
   /** Say how many items of the list are not shown. */
   #count(hidden) {
     this.#moreRow.hidden = hidden === 0;
-    this.#more.textContent = `${hidden} more`;
-    this.#more.setAttribute("aria-label", `${hidden} more of ${this.#path}`);
+    this.#more.textContent = say("tree.more", { count: hidden });
+    this.#more.setAttribute("aria-label", say("tree.more.of", { count: hidden, path: this.#path }));
   }
 
   #showMore() {
@@ -170,7 +171,7 @@ class Leaf {
   #isText = false;
 
   constructor(path, plot) {
-    this.#button = element("button", { type: "button", title: `plot ${path}`, aria: { label: `plot ${path}` } }, "plot");
+    this.#button = element("button", { type: "button", title: say("tree.plot.of", { path }), aria: { label: say("tree.plot.of", { path }) } }, say("tree.plot"));
     this.#button.onclick = () => plot(path);
     this.element = element("span", {}, this.#text, " ", this.#button);
   }
@@ -193,7 +194,7 @@ function isNested(value) {
 }
 
 function shown(value) {
-  if (value && typeof value === "object") return isList(value) ? "[]" : "no fields";
+  if (value && typeof value === "object") return isList(value) ? "[]" : say("tree.none");
   const text = typeof value === "string" ? JSON.stringify(value) : String(value);
-  return text.length > MOST_CHARACTERS ? `${text.slice(0, MOST_CHARACTERS)} ... ${text.length} characters` : text;
+  return text.length > MOST_CHARACTERS ? `${text.slice(0, MOST_CHARACTERS)} ... ${say("characters", { count: text.length })}` : text;
 }

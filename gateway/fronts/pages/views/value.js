@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { Choice, fieldOf, NUMBER_TYPES } from "./choice.js";
 import { asked, isNumber, valueAt, written } from "./numbers.js";
 import { unitOf } from "./units.js";
@@ -9,7 +10,7 @@ const MOST_CHARACTERS = 10_000;
 
 /** One field in large letters: a number with its unit, or a text. */
 export class ValueView {
-  static title = "Value";
+  static title = say("view.value");
   static types = [...NUMBER_TYPES, "std_msgs/msg/String"];
   static isForAll = true;
 
@@ -24,7 +25,7 @@ export class ValueView {
   constructor(card) {
     this.#path = fieldOf(card);
     this.#unit = unitOf(card.type, this.#path);
-    if (!this.#path) this.#choice = new Choice(this.element, "Which field?", (path) => card.choose(path));
+    if (!this.#path) this.#choice = new Choice(this.element, say("choose.field"), (path) => card.choose(path));
     else this.element.append(this.#value, this.#name);
     this.#name.textContent = this.#path;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which views there are, and which fits a type best. To add one, see docs/contributing/adding-a-view.md.
 
+import { say } from "../shared/language.js";
 import { BatteryView } from "./battery.js";
 import { DiagnosticsView } from "./diagnostics.js";
 import { FixView } from "./fix.js";
@@ -73,7 +74,7 @@ export function viewsFor(type) {
 export function misfit(key, type) {
   const { title, types } = VIEWS[key];
   if (!type || isForAll(VIEWS[key]) || types.includes(type)) return "";
-  return `The view ${title} shows ${types.map((each) => each.split("/").at(-1)).join(", ")}, not ${type.split("/").at(-1)}: choose another view.`;
+  return say("view.misfit", { title, types: types.map(nameOfType).join(", "), type: nameOfType(type) });
 }
 
 /** Return the name of a view, as people read it. */
@@ -84,5 +85,7 @@ export const isView = (key) => Object.hasOwn(VIEWS, key);
 
 /** Make a view of a card. */
 export const makeView = (key, card) => new VIEWS[key](card);
+
+const nameOfType = (type) => type.split("/").at(-1);
 
 const isForAll = ({ types, isForAll: also = false }) => also || !types;
