@@ -673,7 +673,7 @@ async def test_a_cloud_of_the_list_opens_in_the_scene(demo, open_page):
     async with open_page(page_address(demo) + "#card=world+0+/points") as page:
         modes = "() => document.querySelector('.look select')?.options.length"
         await until(page, f"{modes} === 4")  # the fields of the cloud are known
-        await page.get_by_label("colours of /points").select_option("rgb")
+        await page.get_by_label("colors of /points").select_option("rgb")
         await until(page, "() => location.hash.includes('on%2C%2Fpoints%2C%234cc9b8%2C0.03%2Crgb')")
         await page.get_by_role("button", name="close /points").click()
         await until(page, "() => !document.querySelector('.scene')")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes that a robot description or a marker names: read through the gateway, never from elsewhere.
 
+import { say } from "../shared/language.js";
 import { ColladaLoader, Color, DoubleSide, Group, LoadingManager, Mesh, MeshLambertMaterial, OBJLoader, STLLoader } from "../vendor/three.js";
 
 const GREY = { r: 0.7, g: 0.72, b: 0.75, a: 1 };
@@ -51,7 +52,7 @@ async function read(gateway, uri) {
     pieces.push(octets);
     offset += octets.length;
     size = piece.size;
-    if (size > MOST_OCTETS) throw new Error(`${uri} has ${size} bytes: the page reads ${MOST_OCTETS}`);
+    if (size > MOST_OCTETS) throw new Error(say("asset.large", { uri, size, most: MOST_OCTETS }));
   }
   const whole = new Uint8Array(pieces.reduce((sum, { length }) => sum + length, 0));
   let at = 0;
@@ -73,7 +74,7 @@ export async function meshOf(gateway, uri, colour) {
   const kind = uri.split(".").at(-1).toLowerCase();
   if (kind === "stl") return new Mesh(new STLLoader().parse(octets.buffer), painted(colour ?? GREY));
   if (kind === "obj") return recoloured(new OBJLoader().parse(TEXT.decode(octets)), colour ?? GREY);
-  if (kind !== "dae") throw new Error(`${uri} cannot be shown: use STL, COLLADA, or OBJ`);
+  if (kind !== "dae") throw new Error(say("asset.type", { uri }));
   const made = await collada(gateway, uri, TEXT.decode(octets));
   return colour ? recoloured(made, colour) : made;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { say } from "../shared/language.js";
 import { AxesHelper } from "../vendor/three.js";
 import { Display, dispose } from "./display.js";
 import { label } from "./label.js";
@@ -14,7 +15,7 @@ export class AxesDisplay extends Display {
   tick() {
     const { names } = this.context.frames;
     for (const frame of this.#axes.keys()) if (!names.has(frame)) this.#remove(frame);
-    this.problem = names.size > MOST_FRAMES ? `${MOST_FRAMES} of ${names.size} frames have axes.` : "";
+    this.problem = names.size > MOST_FRAMES ? say("axes.many", { most: MOST_FRAMES, count: names.size }) : "";
     for (const frame of names) {
       if (this.#axes.has(frame) || this.#axes.size >= MOST_FRAMES) continue;
       const axes = new AxesHelper(this.look.size);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { say } from "../shared/language.js";
 import { Points, PointsMaterial } from "../vendor/three.js";
 import { Display } from "./display.js";
 import { Places } from "./points.js";
@@ -25,7 +26,7 @@ export class CloudDisplay extends Display {
     this.#worker.onmessage = ({ data }) => this.#painted(data);
     this.#worker.onerror = (event) => {
       event.preventDefault(); // it is told of here
-      this.#failed(event.message || "its worker does not start");
+      this.#failed(event.message || say("worker.none"));
     };
     this.restyle();
   }
@@ -46,7 +47,7 @@ export class CloudDisplay extends Display {
   }
 
   show(message) {
-    if (message.format !== "int16") throw new RangeError("the gateway did not thin it");
+    if (message.format !== "int16") throw new RangeError(say("cloud.whole"));
     this.available = message.available.filter((name) => !["x", "y", "z"].includes(name));
     this.#next = message;
     this.#send();
@@ -71,7 +72,7 @@ export class CloudDisplay extends Display {
   #failed(why) {
     this.#isBusy = false;
     this.#failure = why;
-    this.problem = `It cannot be shown: ${why}.`;
+    this.problem = say("unshown", { why });
     this.#send();
   }
 

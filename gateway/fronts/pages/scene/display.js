@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The base of all that a scene shows of one topic.
 
+import { say } from "../shared/language.js";
 import { Group } from "../vendor/three.js";
 
 /** The look of a layer: its colour, a number whose meaning its kind says, and what else the kind offers. @typedef {{colour: string, size: number, mode: string}} Look */
@@ -48,7 +49,7 @@ export class Display {
       if (message.header) this.within(message.header.frame_id);
       this.problem = /** @type {string} */ (this.show(message) ?? "");
     } catch (error) {
-      this.problem = `It cannot be shown: ${error.message}.`;
+      this.problem = say("unshown", { why: error.message });
     }
     this.context.changed();
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The frames of ROS as groups in one scene, each where the newest transforms say.
 
+import { say } from "../shared/language.js";
 import { Group, Quaternion, Vector3 } from "../vendor/three.js";
 
 const MISSING_MS = 2000; // so long a transform may take to come
@@ -68,7 +69,7 @@ export class Frames {
 
   /** The frames that are left out, in words, or "". */
   get leftOut() {
-    return this.#hasLeftOut ? `There are too many frames: the scene keeps ${MOST_FRAMES}, and leaves out those that were silent for the longest time.` : "";
+    return this.#hasLeftOut ? say("frames.many", { most: MOST_FRAMES }) : "";
   }
 
   /** The names of all frames. */
@@ -148,9 +149,10 @@ export class Frames {
   /** Which frames have no place, in words, or "". */
   get missing() {
     const now = performance.now();
-    const names = [...this.#places].filter(([, { group, sinceMs }]) => !group.visible && now - sinceMs > MISSING_MS).map(([name]) => name || "a frame without a name");
+    const names = [...this.#places].filter(([, { group, sinceMs }]) => !group.visible && now - sinceMs > MISSING_MS).map(([name]) => name || say("where.nameless"));
     if (!names.length) return "";
-    return `No transform says where ${names.slice(0, 3).join(", ")}${names.length > 3 ? ` and ${names.length - 3} more` : ""} is in ${this.fixed || "the scene"}.`;
+    const some = names.slice(0, 3).join(", ");
+    return say("frames.lost", { names: names.length > 3 ? say("frames.more", { names: some, count: names.length - 3 }) : some, frame: this.fixed || say("frames.scene") });
   }
 
   close() {

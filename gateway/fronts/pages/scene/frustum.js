@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { say } from "../shared/language.js";
 import { BufferGeometry, LineBasicMaterial, LineSegments, Vector3 } from "../vendor/three.js";
 import { Display } from "./display.js";
 
@@ -20,7 +21,7 @@ export class FrustumDisplay extends Display {
 
   show(message) {
     const { k, width, height } = message;
-    if (!(k[0] > 0 && k[4] > 0)) throw new RangeError("the camera is not calibrated");
+    if (!(k[0] > 0 && k[4] > 0)) throw new RangeError(say("frustum.uncalibrated"));
     this.#message = message;
     const depth = this.look.size;
     const corners = [[0, 0], [width, 0], [width, height], [0, height]].map(([x, y]) => new Vector3(((x - k[2]) / k[0]) * depth, ((y - k[5]) / k[4]) * depth, depth));

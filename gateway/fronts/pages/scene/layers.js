@@ -2,6 +2,7 @@
 // The list of what a scene shows: a line for each topic, with a checkbox, a colour and a size.
 
 import { breakable, element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { PLAIN_MODES } from "./cloud.js";
 import { FRAMES, kindOf } from "./kinds.js";
 
@@ -9,7 +10,7 @@ import { FRAMES, kindOf } from "./kinds.js";
 
 /** The layers of a scene. */
 export class Layers {
-  element = element("ul", { className: "layers", aria: { label: "layers" } });
+  element = element("ul", { className: "layers", aria: { label: say("layers") } });
   #context;
   #changed;
   #layers = new Map(); // topic -> Layer
@@ -80,7 +81,7 @@ class Layer {
   #more = element("span", { className: "look" });
   #namespaces = element("ul", {});
   #problem = element("small", { className: "problem", hidden: true });
-  #modes = element("select", { title: "colors of the points" });
+  #modes = element("select", { title: say("layers.colors") });
   #first;
 
   constructor(context, topic, kind, wanted, changed) {
@@ -146,19 +147,19 @@ class Layer {
   #offer() {
     const { kind, topic, look } = this;
     if (kind.colour) {
-      const colour = element("input", { type: "color", value: look.colour, title: "colour", aria: { label: `colour of ${topic}` } });
+      const colour = element("input", { type: "color", value: look.colour, title: say("layers.color"), aria: { label: say("layers.color.of", { topic }) } });
       colour.oninput = () => this.#restyle({ colour: colour.value });
       this.#more.append(colour);
     }
     if (kind.size) {
       const { name, most, step } = kind.size;
-      const size = element("input", { type: "range", min: String(step), max: String(most), step: String(step), title: name, aria: { label: `${name} of ${topic}` } });
+      const size = element("input", { type: "range", min: String(step), max: String(most), step: String(step), title: name, aria: { label: say("size.of", { size: name, topic }) } });
       size.value = String(look.size); // once its limits are known
       size.oninput = () => this.#restyle({ size: Number(size.value) });
       this.#more.append(size);
     }
     if (kind.mode === "height") this.#more.append(this.#modes);
-    this.#modes.setAttribute("aria-label", `colours of ${topic}`);
+    this.#modes.setAttribute("aria-label", say("colors.of", { topic }));
     this.#modes.onchange = () => {
       this.#restyle({ mode: this.#modes.value });
       this.display?.open(); // it needs another field
@@ -169,7 +170,7 @@ class Layer {
     if (this.kind.mode !== "height") return;
     const modes = [...new Set([...PLAIN_MODES, ...(this.display?.available ?? []), this.look.mode])];
     if (String([...this.#modes.options].map(({ value }) => value)) === String(modes)) return;
-    this.#modes.replaceChildren(...modes.map((each) => new Option(each === "flat" ? "one colour" : each, each, false, each === this.look.mode)));
+    this.#modes.replaceChildren(...modes.map((each) => new Option(PLAIN_MODES.includes(each) ? say(`layers.${each}`) : each, each, false, each === this.look.mode)));
   }
 
   #restyle(changed) {
@@ -186,7 +187,7 @@ class Layer {
     this.#namespaces.replaceChildren(...names.map((name) => {
       const box = element("input", { type: "checkbox", checked: !this.display.isHidden(name) });
       box.onchange = () => this.display.hide(name, !box.checked);
-      return element("li", { dataset: { name } }, element("label", {}, box, name || "(no namespace)"));
+      return element("li", { dataset: { name } }, element("label", {}, box, name || say("layers.nameless")));
     }));
   }
 }

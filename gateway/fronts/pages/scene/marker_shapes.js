@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shapes of visualization_msgs/msg/Marker, by their numbers.
 
+import { say } from "../shared/language.js";
 import {
   BoxGeometry, BufferAttribute, BufferGeometry, ConeGeometry, CylinderGeometry, DoubleSide, DynamicDrawUsage, Group, InstancedMesh, Line, LineBasicMaterial,
   LineSegments, Matrix4, Mesh, MeshLambertMaterial, Points, PointsMaterial, Quaternion, SphereGeometry, Color, Vector3,
@@ -48,7 +49,7 @@ export const keyOf = (marker) => `${marker.type} ${SHAPES[marker.type]?.key(mark
 
 /** Return an object for a marker, in its own frame. Throws if there is no such shape. */
 export function make(marker) {
-  if (!SHAPES[marker.type]) throw new RangeError(`its type is ${marker.type}`);
+  if (!SHAPES[marker.type]) throw new RangeError(say("marker.type", { type: marker.type }));
   return SHAPES[marker.type].make(marker);
 }
 
@@ -67,7 +68,7 @@ export function tint(material, { r, g, b }, a) {
 /** Return what is not drawn of a marker, in words, or "". */
 export function leftOut({ ns, id, type, points }) {
   const most = type === ARROW_STRIP ? MOST_CORNERS : MOST_POINTS;
-  return points.length > most ? `Marker ${id} of ${JSON.stringify(ns)} shows ${most} of its ${points.length} points.` : "";
+  return points.length > most ? say("marker.points", { id, namespace: JSON.stringify(ns), most, count: points.length }) : "";
 }
 
 /** Return the shape of one body. @returns {Shape} */

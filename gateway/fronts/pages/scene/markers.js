@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { say } from "../shared/language.js";
 import { Group } from "../vendor/three.js";
 import { meshOf } from "./assets.js";
 import { Display, dispose, put } from "./display.js";
@@ -52,7 +53,7 @@ export class MarkersDisplay extends Display {
       try {
         this.#do(marker);
       } catch (error) {
-        problem ||= `It cannot be shown: ${error.message}.`; // the others can
+        problem ||= say("unshown", { why: error.message }); // the others can
       }
     }
     for (const key of this.#earlier) this.#remove(key);
@@ -78,7 +79,7 @@ export class MarkersDisplay extends Display {
   get #words() {
     if (this.#markers.size < MOST_MARKERS) this.#dropped = 0;
     const [first] = this.#faulty;
-    return first?.problem || (this.#dropped ? `${this.#dropped} older markers are left out: the scene shows ${MOST_MARKERS}.` : "");
+    return first?.problem || (this.#dropped ? say("marker.many", { count: this.#dropped, most: MOST_MARKERS }) : "");
   }
 
   #do(marker) {
@@ -87,7 +88,7 @@ export class MarkersDisplay extends Display {
     else if (marker.action === DELETE_ALL) {
       for (const [each, { namespace }] of this.#markers) if (!marker.ns || namespace === marker.ns) this.#remove(each);
     } else if (marker.action === ADD) this.#add(key, marker);
-    else throw new RangeError(`its action is ${marker.action}`);
+    else throw new RangeError(say("marker.action", { action: marker.action }));
   }
 
   #add(key, marker) {

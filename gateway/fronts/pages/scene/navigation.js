@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sends a robot to a place, and says where it is: for the scene and the map.
 
+import { say } from "../shared/language.js";
 import { isRefusal, sendGoal } from "../shared/goal.js";
 import { isHeld } from "../shared/stop_held.js";
 
@@ -9,11 +10,9 @@ const GOAL = "goal_pose";
 const PLACE = "initialpose";
 const POSE = "geometry_msgs/msg/PoseStamped";
 const POSE_WITH_COVARIANCE = "geometry_msgs/msg/PoseWithCovarianceStamped";
-const NOT_CONNECTED = "Not connected: try again once the page is connected.";
-const NO_FRAME = "Not sent, because the place has no frame yet: wait for the map, and try again.";
 // a pose that is published cannot be taken back. Another one, such as where the robot seems to be, would move it
-const UNENDING = "Neither this page nor STOP can end that goal: end it in the program that drives.";
-const ENDS = { 4: "The robot has arrived.", 5: "The goal was canceled.", 6: "The robot gave up." }; // of action_msgs/msg/GoalStatus
+const UNENDING = say("goal.unending");
+const ENDS = [4, 5, 6]; // succeeded, canceled and aborted, of action_msgs/msg/GoalStatus
 // as RViz says of a place: 0.5 m, and 15 degrees
 const COVARIANCE = Array.from({ length: 36 }, (_, at) => ({ 0: 0.25, 7: 0.25, 35: 0.07 })[at] ?? 0);
 
@@ -42,7 +41,7 @@ export class Navigation {
     this.#gateway = gateway;
     this.#changed = changed;
     this.#near = near;
-    this.#forget = gateway.on("state", ({ state }) => state !== "open" && this.#goal && this.#end("The connection was lost, so the gateway cancels the goal."));
+    this.#forget = gateway.on("state", ({ state }) => state !== "open" && this.#goal && this.#end(say("goal.lost")));
   }
 
   /** Whether there is a goal that can be canceled. */
@@ -53,8 +52,8 @@ export class Navigation {
   /** Return the words of a tool, with the name that gets what it gives, or else the last event. */
   wordsOf({ tool, hints }) {
     const action = tool === "go" && this.#findAction();
-    if (tool === "go") return `${hints.go} The goal goes to ${action ? `${action}.` : `${this.#find(GOAL)}. ${UNENDING}`}`;
-    if (tool === "place") return `${hints.place} The place goes to ${this.#find(PLACE)}.`;
+    if (tool === "go") return [hints.go, say("goal.to", { name: action || this.#find(GOAL) }), !action && UNENDING].filter(Boolean).join(" ");
+    if (tool === "place") return `${hints.place} ${say("place.to", { name: this.#find(PLACE) })}`;
     return hints[tool] ?? this.words;
   }
 
@@ -67,28 +66,28 @@ export class Navigation {
 
   /** Send the robot to a place of a frame. */
   go(place, frame) {
-    if (isHeld()) return this.#say("STOP is held: release it first.");
-    if (!frame) return this.#say(NO_FRAME);
+    if (isHeld()) return this.#say(say("lab.held"));
+    if (!frame) return this.#say(say("goal.frameless"));
     this.#leave();
     const pose = { header: { frame_id: frame }, pose: poseOf(place) };
     const action = this.#findAction();
     if (!action) {
       if (!this.#publish(this.#find(GOAL), POSE, pose)) return;
       this.target = { ...place, frame };
-      this.#say(`Goal sent to ${this.#find(GOAL)}: ${inWords(place)}. ${UNENDING}`);
+      this.#say(`${say("goal.sent", { topic: this.#find(GOAL), place: inWords(place) })} ${UNENDING}`);
       return;
     }
     this.#goal = sendGoal(this.#gateway, { action, action_type: ACTION, args: { pose } }, {}, (message) => this.#heard(message, place));
-    if (!this.#goal) return this.#say(NOT_CONNECTED);
+    if (!this.#goal) return this.#say(say("goal.unconnected"));
     this.target = { ...place, frame };
-    this.#say(`Going to ${inWords(place)}.`);
+    this.#say(say("goal.going", { place: inWords(place) }));
   }
 
   /** Say where the robot is. */
   place(place, frame) {
-    if (!frame) return this.#say(NO_FRAME);
+    if (!frame) return this.#say(say("goal.frameless"));
     const pose = { header: { frame_id: frame }, pose: { pose: poseOf(place), covariance: COVARIANCE } };
-    if (this.#publish(this.#find(PLACE), POSE_WITH_COVARIANCE, pose)) this.#say(`Sent to ${this.#find(PLACE)}: the robot is at ${inWords(place)}.`);
+    if (this.#publish(this.#find(PLACE), POSE_WITH_COVARIANCE, pose)) this.#say(say("place.sent", { topic: this.#find(PLACE), place: inWords(place) }));
   }
 
   cancel() {
@@ -127,7 +126,7 @@ export class Navigation {
   #publish(topic, type, msg) {
     this.#listen();
     if (this.#gateway.send({ op: "publish", id: this.#publishing.id, topic, type, msg })) return true;
-    this.#say(NOT_CONNECTED);
+    this.#say(say("goal.unconnected"));
     return false;
   }
 
@@ -142,12 +141,13 @@ export class Navigation {
     const { op, values, status, result, msg, level } = message;
     if (op === "action_feedback") {
       const left = values.distance_remaining;
-      this.#say(`Going to ${inWords(place)}${Number.isFinite(left) ? `, ${left.toFixed(1)} m left` : ""}.`);
+      this.#say(Number.isFinite(left) ? say("goal.left", { place: inWords(place), metres: left.toFixed(1) }) : say("goal.going", { place: inWords(place) }));
     } else if (isRefusal(message)) this.#end(msg);
     else if (op === "status" && level !== "info") this.#say(msg);
     else if (op === "action_result") {
       const reason = result ? values.error_msg : String(values);
-      this.#end([result || ENDS[status] ? (ENDS[status] ?? "The goal has ended.") : "The goal was not carried out:", reason].filter(Boolean).join(" "));
+      const end = ENDS.includes(status) ? say(`goal.ended.${status}`) : result ? say("goal.ended") : say("goal.refused");
+      this.#end([end, reason].filter(Boolean).join(" "));
     }
   }
 
@@ -175,6 +175,6 @@ function inCommon(one, other) {
 }
 
 /** Return a place as people read it. */
-export const inWords = ({ x, y, yaw }) => `x ${x.toFixed(2)}, y ${y.toFixed(2)} m, heading ${Math.round((yaw * 180) / Math.PI)}°`;
+export const inWords = ({ x, y, yaw }) => say("place.heading", { x: x.toFixed(2), y: y.toFixed(2), degrees: Math.round((yaw * 180) / Math.PI) });
 
 const poseOf = ({ x, y, yaw }) => ({ position: { x, y, z: 0 }, orientation: { x: 0, y: 0, z: Math.sin(yaw / 2), w: Math.cos(yaw / 2) } });

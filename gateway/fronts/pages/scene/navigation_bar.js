@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 
 /** The buttons by which a pointer or the keyboard does something else than to look around. Only one is pressed, or none. */
 export class Tools {
@@ -9,18 +10,18 @@ export class Tools {
   #chosen;
 
   /**
-   * @param {Record<string, {name: string, hint: string}>} tools
+   * @param {string[]} tools
    * @param {(tool: string) => void} chosen
    */
   constructor(tools, chosen) {
     this.#chosen = chosen;
-    this.hints = Object.fromEntries(Object.entries(tools).map(([key, { hint }]) => [key, hint]));
-    this.#buttons = Object.entries(tools).map(([key, { name, hint }]) => {
-      const button = element("button", { type: "button", title: hint, dataset: { tool: key }, aria: { pressed: "false" } }, name);
+    this.hints = Object.fromEntries(tools.map((each) => [each, say(`tool.${each}.hint`)]));
+    this.#buttons = tools.map((key) => {
+      const button = element("button", { type: "button", title: this.hints[key], dataset: { tool: key }, aria: { pressed: "false" } }, say(`tool.${key}`));
       button.onclick = () => this.choose(this.tool === key ? "" : key);
       return button;
     });
-    this.element = element("div", { className: "scene-tools", role: "group", aria: { label: "tools" } }, ...this.#buttons);
+    this.element = element("div", { className: "scene-tools", role: "group", aria: { label: say("tools") } }, ...this.#buttons);
   }
 
   choose(tool) {
@@ -33,7 +34,7 @@ export class Tools {
 /** The progress of a goal, and the button that cancels it. */
 export class GoalLine {
   #words = element("output", {});
-  #cancel = element("button", { type: "button", hidden: true }, "Cancel");
+  #cancel = element("button", { type: "button", hidden: true }, say("cancel"));
 
   /** @param {import("./navigation.js").Navigation} navigation */
   constructor(navigation) {
@@ -48,7 +49,4 @@ export class GoalLine {
   }
 }
 
-export const POSE_TOOLS = {
-  go: { name: "Go here", hint: "Press where the robot is to go, and drag to where it is to look. With the keyboard: Enter, arrow keys, Enter." },
-  place: { name: "I am here", hint: "Press where the robot is, and drag to where it looks. With the keyboard: Enter, arrow keys, Enter." },
-};
+export const POSE_TOOLS = ["go", "place"];

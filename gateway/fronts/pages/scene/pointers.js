@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The marks of the tools in a scene: an arrow for a pose that is being given, a goal, and a measured distance.
 
+import { say } from "../shared/language.js";
 import { BufferGeometry, Group, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, RingGeometry, SphereGeometry, Vector3 } from "../vendor/three.js";
 import { dispose } from "./display.js";
 import { label } from "./label.js";
@@ -41,7 +42,7 @@ export class Measure {
     const [from, to] = this.places;
     if (!from) return "";
     const at = ({ x, y, z }) => `x ${x.toFixed(3)}, y ${y.toFixed(3)}, z ${z.toFixed(3)} m`;
-    return to ? `${from.distanceTo(to).toFixed(3)} m from ${at(from)} to ${at(to)}` : at(from);
+    return to ? say("measure.from", { metres: from.distanceTo(to).toFixed(3), from: at(from), to: at(to) }) : at(from);
   }
 
   #draw() {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { say } from "../shared/language.js";
 import { Display } from "./display.js";
 import { RobotModel } from "./robot_model.js";
 
@@ -27,7 +28,7 @@ export class RobotDisplay extends Display {
       this.object.add(this.#model.object);
       this.problem = "";
     } catch (error) {
-      this.problem = `It cannot be shown: ${error.message}.`;
+      this.problem = say("unshown", { why: error.message });
     }
     this.tick();
     this.context.changed();
@@ -37,7 +38,7 @@ export class RobotDisplay extends Display {
     if (!this.#model) return;
     this.within(this.frame);
     const [first = "", ...others] = this.#model.problems;
-    this.problem = others.length ? `${first}, and ${others.length} more meshes are missing` : first;
+    this.problem = others.length ? say("robot.missing", { first, count: others.length }) : first;
     const joints = this.#namespace + "joint_states";
     if (this.#joints || this.context.gateway.graph.typeOf(joints) !== JOINTS) return;
     this.#joints = joints;

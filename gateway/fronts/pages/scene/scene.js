@@ -3,6 +3,7 @@
 
 import { Color, DirectionalLight, GridHelper, HemisphereLight, Quaternion, Scene, Vector3, WebGLRenderer } from "../vendor/three.js";
 import { element, token } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 import { dispose } from "./display.js";
 import { Frames } from "./frames.js";
 import * as texts from "./kept.js";
@@ -14,13 +15,7 @@ import { PoseDrag } from "./pose_drag.js";
 import { RobotDisplay } from "./robot.js";
 import { View3d } from "./view3d.js";
 
-const TOOLS = {
-  ...POSE_TOOLS,
-  measure: { name: "Measure", hint: "Click two places to measure their distance. With the keyboard: Enter at the middle of the view." },
-  pick: { name: "Pick", hint: "Click a place to read its coordinates. With the keyboard: Enter at the middle of the view." },
-};
-const KEYS = "Drag to turn, right button or two fingers to move, wheel or pinch to zoom. Keys: arrows, Shift and arrows, +, -.";
-const LOST = "The browser has taken the graphics memory of this scene. It gives it back when there is room: close other pages with 3D, or reload this page.";
+const TOOLS = [...POSE_TOOLS, "measure", "pick"];
 const FLOOR_M = 20;
 const BASES = ["base_footprint", "base_link"];
 const FLAT = { x: 0, y: 0, z: 0 };
@@ -35,10 +30,10 @@ export class SceneView {
   #gateway;
   #changed;
   #kept;
-  #canvas = element("canvas", { tabIndex: 0, role: "application", aria: { label: `scene. ${KEYS}` } });
-  #fixed = element("select", { title: "the frame that stands still", aria: { label: "fixed frame" } });
-  #follow = element("button", { type: "button", title: "keep the robot in the middle" }, "Follow");
-  #top = element("button", { type: "button", title: "look from above" }, "Top");
+  #canvas = element("canvas", { tabIndex: 0, role: "application", aria: { label: say("scene.label") } });
+  #fixed = element("select", { title: say("scene.fixed.about"), aria: { label: say("scene.fixed") } });
+  #follow = element("button", { type: "button", title: say("follow.about") }, say("follow"));
+  #top = element("button", { type: "button", title: say("scene.top.about") }, say("scene.top"));
   #missing = element("p", { className: "missing", role: "status", hidden: true });
   #tools = new Tools(TOOLS, () => this.#choose());
   #goalLine;
@@ -105,7 +100,7 @@ export class SceneView {
   tick() {
     this.layers.tick();
     this.#offerFrames();
-    const missing = [this.#isLost && LOST, this.frames.problem, this.frames.leftOut, this.frames.missing].filter(Boolean).join(" ");
+    const missing = [this.#isLost && say("scene.lost"), this.frames.problem, this.frames.leftOut, this.frames.missing].filter(Boolean).join(" ");
     if (this.#missing.textContent !== missing) this.#missing.textContent = missing; // it is read out
     this.#missing.hidden = !missing;
     this.#goalLine.write(this.#words);
@@ -137,7 +132,7 @@ export class SceneView {
   }
 
   #build(card) {
-    const home = element("button", { type: "button", title: "look at the robot from behind" }, "Home");
+    const home = element("button", { type: "button", title: say("scene.home.about") }, say("scene.home"));
     home.onclick = () => this.#goHome();
     this.#top.onclick = () => {
       this.#view.top(!this.#view.isTop);
@@ -150,12 +145,12 @@ export class SceneView {
       this.#press();
       this.#changed();
     };
-    const list = element("button", { type: "button", title: "what is shown", aria: { expanded: "true" } }, "Layers");
+    const list = element("button", { type: "button", title: say("layers.about"), aria: { expanded: "true" } }, say("layers"));
     list.onclick = () => {
       this.layers.element.hidden = !this.layers.element.hidden;
       list.setAttribute("aria-expanded", String(!this.layers.element.hidden));
     };
-    const full = element("button", { type: "button", title: "fill the screen. Escape leaves it", aria: { pressed: "false" } }, "Full screen");
+    const full = element("button", { type: "button", title: say("scene.full.about"), aria: { pressed: "false" } }, say("full"));
     full.onclick = () => card.fill();
     this.#ends.signal.addEventListener("abort", card.onFull((isFull) => full.setAttribute("aria-pressed", String(isFull))));
     this.#fixed.onchange = () => {
@@ -163,7 +158,7 @@ export class SceneView {
       this.#fix();
       this.#changed();
     };
-    const bar = element("div", { className: "scene-bar" }, element("label", {}, "Frame ", this.#fixed), home, this.#top, this.#follow, this.#tools.element, list, full);
+    const bar = element("div", { className: "scene-bar" }, element("label", {}, `${say("scene.frame")} `, this.#fixed), home, this.#top, this.#follow, this.#tools.element, list, full);
     const drawn = element("div", { className: "drawn" }, this.#canvas, this.#missing);
     return element("div", { className: "scene" }, bar, drawn, this.layers.element, this.#goalLine.element);
   }
@@ -198,7 +193,7 @@ export class SceneView {
       this.renderer = new WebGLRenderer({ canvas: this.#canvas, antialias: devicePixelRatio < 2 });
       this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     } catch (error) {
-      this.#canvas.replaceWith(element("p", {}, `This browser cannot draw with WebGL: ${error.message}. Switch on hardware acceleration.`));
+      this.#canvas.replaceWith(element("p", {}, say("scene.webgl", { why: error.message })));
     }
   }
 
@@ -238,7 +233,7 @@ export class SceneView {
   #key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const { tool } = this.#tools;
-    const isPose = tool in POSE_TOOLS;
+    const isPose = POSE_TOOLS.includes(tool);
     let isTaken = isPose && this.#drag.key(event, () => this.#view.floor());
     if (!isTaken && tool && !isPose && event.key === "Enter") isTaken = this.#mark(this.#view.pick(this.frames.root));
     if (!isTaken && tool && event.key === "Escape") {
@@ -249,7 +244,7 @@ export class SceneView {
   }
 
   #down(event) {
-    if (!(this.#tools.tool in POSE_TOOLS)) {
+    if (!POSE_TOOLS.includes(this.#tools.tool)) {
       this.#mark(this.#view.pick(this.frames.root, event));
       return;
     }
@@ -271,7 +266,7 @@ export class SceneView {
     this.#drag.drop();
     this.#measure.clear();
     this.#view.looksAround(!tool);
-    if (tool in POSE_TOOLS) this.navigation.prepare(tool === "place");
+    if (POSE_TOOLS.includes(tool)) this.navigation.prepare(tool === "place");
     this.#dirty();
     this.tick();
     if (tool) this.#canvas.focus({ preventScroll: true });
@@ -348,7 +343,7 @@ export class SceneView {
     if (this.#kept.frame && !names.includes(this.#kept.frame)) names.push(this.#kept.frame);
     const known = [...this.#fixed.options].map(({ value }) => value);
     if (String(known) === String(names)) return; // a list that is open would close
-    this.#fixed.replaceChildren(...names.map((each) => new Option(each || "automatic", each, false, each === this.#kept.frame)));
+    this.#fixed.replaceChildren(...names.map((each) => new Option(each || say("scene.fixed.none"), each, false, each === this.#kept.frame)));
   }
 
   #fix() {

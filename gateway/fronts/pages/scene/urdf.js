@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A robot description (URDF) as data.
 
+import { say } from "../shared/language.js";
+
 /** @typedef {{kind: string, size: number[], uri: string, xyz: number[], rpy: number[], colour: number[]|null}} Visual */
 /** @typedef {{name: string, type: string, parent: string, child: string, xyz: number[], rpy: number[], axis: number[], mimic: {joint: string, multiplier: number, offset: number}|null}} Joint */
 
@@ -11,13 +13,13 @@
  */
 export function readUrdf(text) {
   const robot = new DOMParser().parseFromString(text, "text/xml").documentElement;
-  if (robot.nodeName !== "robot") throw new Error("the description is not a URDF");
+  if (robot.nodeName !== "robot") throw new Error(say("urdf.none"));
   const colours = new Map(children(robot, "material").map((each) => [each.getAttribute("name"), colourOf(each)]));
   const links = new Map(children(robot, "link").map((link) => [link.getAttribute("name"), children(link, "visual").map((each) => visual(each, colours))]));
   const joints = children(robot, "joint").map(joint).filter(({ parent, child }) => links.has(parent) && links.has(child));
   const below = new Set(joints.map(({ child }) => child));
   const root = [...links.keys()].find((name) => !below.has(name));
-  if (!root) throw new Error("the description has no root link");
+  if (!root) throw new Error(say("urdf.rootless"));
   return { name: robot.getAttribute("name") ?? "", root, links, joints };
 }
 
