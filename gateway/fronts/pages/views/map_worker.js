@@ -20,7 +20,7 @@ self.onmessage = async ({ data: { map, patches, colours } }) => {
     const painted = paint(kept, colours);
     self.postMessage(painted, { transfer: [painted.bitmap, painted.values.buffer] });
   } catch (error) {
-    self.postMessage({ problem: error.message, values: error.cause });
+    self.postMessage({ problem: error.message, cause: error.cause });
   }
 };
 

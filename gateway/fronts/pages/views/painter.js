@@ -19,7 +19,7 @@ export class Painter {
   paint(map, patches = [], colours = palette()) {
     const { info: { width = 0, height = 0 } = {}, data = null, format = "" } = map ?? {};
     return new Promise((resolve, reject) => {
-      this.#worker.onmessage = ({ data: { problem, values, ...painted } }) => (problem ? reject(new Error(values ? say(`map.wrong.${problem}`, values) : problem)) : resolve(painted));
+      this.#worker.onmessage = ({ data: { problem, cause, ...painted } }) => (problem ? reject(new Error(cause ? say(`map.wrong.${problem}`, cause) : problem)) : resolve(painted));
       this.#worker.onerror = ({ message }) => reject(new Error(message || say("worker.none")));
       this.#worker.postMessage({ map: map && { width, height, data, format }, patches, colours });
     });
