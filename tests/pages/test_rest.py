@@ -9,17 +9,18 @@ from tests.pages.test_debug_page import NOTE_SENT, until
 
 pytestmark = pytest.mark.asyncio(loop_scope="package")
 
-# the demands of cards that have not ended: names of topics, and of frames. Lists name topics
-# without a slash
-ASKED = """() => {
+# the demands that have not ended: names of topics, and of frames
+ALL_ASKED = """() => {
     const asked = new Map();
     for (const { op, id, topic, source_frame: frame } of sent.map((each) => JSON.parse(each))) {
         if (op === "subscribe" || op === "lookup_transform") asked.set(id, topic ?? frame);
         if (op === "unsubscribe" || op === "cancel_transform") asked.delete(id);
     }
-    const names = [...new Set(asked.values())].sort();
-    return names.filter((each) => each.startsWith("/") || each.startsWith("base"));
+    return [...new Set(asked.values())].sort();
 }"""
+# those of cards, as lists name topics without a slash
+ASKED = f"""() => ({ALL_ASKED})().filter(
+    (each) => each.startsWith("/") || each.startsWith("base"))"""
 IS_ASKED = f"wanted => String(({ASKED})()) === String(wanted)"
 HAS_ASKED = f"wanted => wanted.every((each) => ({ASKED})().includes(each))"
 HIDE = """isHidden => {
@@ -59,6 +60,16 @@ async def test_a_card_that_nobody_sees_asks_for_nothing(demo, open_page, view, w
         await until(page, IS_ASKED, collected if way == "page" else [])
         await page.evaluate(act, back)
         await until(page, HAS_ASKED, asked)
+
+
+async def test_a_list_that_nobody_sees_measures_nothing(demo, open_page):
+    is_measured = f"wanted => ({ALL_ASKED})().includes('imu') === wanted"
+    async with open_page(f"{page_address(demo)}#measure=all", script=NOTE_SENT) as page:
+        await until(page, is_measured, True)
+        await page.evaluate(HIDE, True)
+        await until(page, is_measured, False)
+        await page.evaluate(HIDE, False)
+        await until(page, is_measured, True)
 
 
 LINK = {"header": {"frame_id": "map"}, "child_frame_id": "arm"}

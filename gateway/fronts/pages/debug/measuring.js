@@ -7,7 +7,7 @@ const RETRY_TICKS = 10; // of one that is refused: there may be room again
 
 /**
  * Rate, size and age of topics. A topic of a card is measured by the messages of its card. The others in the list are measured on
- * request, by two frames per second that only report that samples arrive.
+ * request, by two frames per second that only report that samples arrive, while the page is seen.
  */
 export class Measuring {
   #gateway;
@@ -18,6 +18,7 @@ export class Measuring {
   /** @param {import("../shared/gateway.js").Gateway} gateway */
   constructor(gateway) {
     this.#gateway = gateway;
+    document.addEventListener("visibilitychange", () => this.tick());
   }
 
   /** Whether the topics that are seen are measured. */
@@ -61,7 +62,7 @@ export class Measuring {
   #isWanted(topic) {
     const isShown = this.#gateway.throttleOf(topic) !== undefined; // by a card
     const isPublished = Boolean(this.#gateway.graph.topics.get(topic)?.publishers.length);
-    return this.#isOn && this.#seen.has(topic) && isPublished && !isShown;
+    return this.#isOn && !document.hidden && this.#seen.has(topic) && isPublished && !isShown;
   }
 
   #measure(topic) {
