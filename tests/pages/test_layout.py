@@ -49,6 +49,24 @@ async def test_an_address_keeps_tabs_cards_and_sizes(evaluate, text, kept):
     assert read["unknown"] == []
 
 
+@pytest.mark.parametrize("locale", ["en-US", "fi-FI"])
+async def test_the_controls_of_a_narrow_card_stay_in_one_line(demo, open_page, locale):
+    """With three cards next to each other."""
+    lines = """() => [...document.querySelectorAll("article .controls")].map((controls) => {
+        const shown = [...controls.children].filter((each) => each.checkVisibility());
+        return [shown.length, new Set(shown.map(({ offsetTop }) => offsetTop)).size];
+    })"""
+    address = (
+        page_address(demo) + "#card=diagnostics+0+/diagnostics&size=4x11&card=map+0+/map&size=4x11"
+    )
+    async with open_page(address, locale=locale) as page:
+        await page.wait_for_selector("article canvas")
+        assert await page.evaluate(lines) == [[4, 1], [4, 1]]
+        corner = await page.locator("article .corner").first.bounding_box()
+        title = await page.locator("article h3").first.bounding_box()
+        assert title["x"] + title["width"] <= corner["x"]
+
+
 async def test_a_card_is_resized_by_mouse_and_keys_and_stays_so(demo, open_page):
     async with open_page(page_address(demo) + TWO) as page:
         odom = card("/odom")
