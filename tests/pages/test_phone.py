@@ -49,6 +49,23 @@ async def test_topics_are_a_touch_away_from_any_page(demo, open_page):
         await page.wait_for_function(IN_VIEW)
 
 
+async def test_the_links_tell_whether_the_cards_or_the_list_is_in_view(demo, open_page):
+    current = "() => document.querySelector('.pages [aria-current]').innerText"
+    async with open_page(page_address(demo), **PHONES) as page:
+        await page.wait_for_selector("article canvas")
+        assert await page.evaluate(current) == "Cards"
+        await page.get_by_role("link", name="Topics").tap()
+        await page.wait_for_function(f"() => ({current})() === 'Topics'")
+        assert await page.locator(".pages [aria-current]").count() == 1
+        await page.locator("#search").tap()  # the list is held no longer
+        await page.evaluate("() => scrollTo(0, 0)")
+        await page.wait_for_function(f"() => ({current})() === 'Cards'")
+        await page.evaluate("() => scrollTo(0, document.body.scrollHeight)")
+        await page.wait_for_function(f"() => ({current})() === 'Topics'")
+        await page.set_viewport_size(DESK)  # where it stands next to the cards
+        await page.wait_for_function(f"() => ({current})() === 'Debug'")
+
+
 async def test_the_list_stays_in_view_while_cards_above_it_grow(demo, open_page):
     """Until the user moves the page."""
     async with open_page(page_address(demo), **PHONES) as page:

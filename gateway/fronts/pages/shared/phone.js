@@ -25,11 +25,30 @@ export function topicsLink(debug, here) {
 /** Return the name of the debug page. On a phone its cards and its topics have a link each. */
 export const debugName = () => [element("span", { className: "of-desk" }, say("page.debug")), element("span", { className: "of-phone" }, say("page.cards"))];
 
-/** Bring into view what was asked for on another page. */
+/** Bring into view what was asked for on another page, and let the links tell what is seen. */
 export function goOn(here) {
+  if (here === "debug") follow();
   if (here !== "debug" || sessionStorage.getItem(KEY) !== TOPICS) return;
   sessionStorage.removeItem(KEY);
   show();
+}
+
+/** Mark one of the two links to the debug page as current: to the list while it is in the middle of the screen, or else to the cards. */
+function follow() {
+  const [cards, topics] = document.querySelectorAll(".pages a");
+  const phone = matchMedia("(max-width: 45rem)"); // as style.css has it
+  let isListSeen = false;
+  const mark = () => {
+    const [current, other] = phone.matches && isListSeen ? [topics, cards] : [cards, topics];
+    current.setAttribute("aria-current", "page");
+    other.removeAttribute("aria-current");
+  };
+  phone.onchange = mark;
+  const observer = new IntersectionObserver((entries) => {
+    isListSeen = entries.at(-1).isIntersecting;
+    mark();
+  }, { rootMargin: "-50% 0px" });
+  observer.observe(find("tab-topics").closest("nav"));
 }
 
 /** Bring the list into view, and keep it there while cards above it grow with their first messages, until the user does something. */
