@@ -13,5 +13,5 @@ node "${1:-.venv}/clients/typescript-5.9.3/node_modules/typescript/bin/tsc" \
     --moduleResolution bundler --lib dom,dom.iterable,es2022 --outDir "$work" \
     "$from/gateway.js" "$from/graph.js" "$from/arrivals.js"
 for name in gateway graph arrivals; do
-    { echo '// SPDX-License-Identifier: Apache-2.0'; echo '// by tools/page-types.sh'; cat "$work/$name.d.ts"; } >"$target/$name.d.ts"
+    { echo '// SPDX-License-Identifier: Apache-2.0'; echo '// by tools/page-types.sh'; cat "$work/shared/$name.d.ts"; } >"$target/$name.d.ts"
 done

@@ -68,7 +68,7 @@ async def test_a_card_says_who_would_have_to_send_something(open_page, served):
         silent, wanted = (footer.format(card(topic)) for topic in ("/silent", "/wanted"))
         await until(
             page,
-            f"() => /no message yet: .+ has sent nothing since this card was/.test({silent})",
+            f"() => /no message yet: .+ sent nothing since this card was/.test({silent})",
         )
         await until(page, f"() => /no message yet: no node publishes it$/.test({wanted})")
         await speaker.send(op="publish", topic="/silent", msg={"data": "at last"})

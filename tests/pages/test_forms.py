@@ -425,7 +425,7 @@ async def test_a_parameter_is_set_and_a_refusal_is_shown(demo, open_page):
     async with open_page(page_address(demo)) as page:
         await page.click("#tab-nodes")
         await page.click("#nodes button:has-text('/simulated_robot')")
-        title = "node /simulated_robot"
+        title = "Node /simulated_robot"
         switch = page.locator(f"{form(title)} label:has-text('use_sim_time') input[type=checkbox]")
         await switch.check()
         await until(page, "() => cards.textContent.includes('use_sim_time is set')")
@@ -454,7 +454,7 @@ NODE = """async ({ value, type }) => {
 async def test_a_value_that_does_not_fit_is_said_and_a_refused_switch_goes_back(demo, open_page):
     async with open_page(page_address(demo) + "#card=none") as page:
         await page.evaluate(NODE, {"value": 0.5, "type": "double"})
-        value = page.locator("article[aria-label='node /n'] label input")
+        value = page.locator("article[aria-label='Node /n'] label input")
         for wrong, words in (
             ("maybe", "expected a JSON value"),
             ("1e400", "larger than any float64"),
@@ -480,7 +480,7 @@ async def test_the_graph_opens_nodes_and_topics_also_by_keyboard(demo, open_page
         await page.focus("svg [aria-label='node /simulated_robot']")
         await until(page, "() => document.querySelectorAll('svg path.on').length > 5")
         await page.keyboard.press("Enter")
-        await page.wait_for_selector(form("node /simulated_robot"))
+        await page.wait_for_selector(form("Node /simulated_robot"))
         assert await page.locator("svg [aria-label='topic /rosout']").count() == 0
         await page.check("article label:has-text('all')")
         await page.wait_for_selector("svg [aria-label='topic /rosout']")
@@ -521,9 +521,9 @@ async def test_the_limits_of_the_connection_are_shown_in_words_with_units(demo, 
         hello = await other.receive(lambda frame: frame["op"] == "hello")
         await page.click(".bar .more")
         await page.get_by_role("menuitem", name="Limits of this connection").click()
-        await page.wait_for_selector(f"{form('connection')} dt")
+        await page.wait_for_selector(f"{form('Connection')} dt")
         rows = {}
-        for row in await page.locator(f"{form('connection')} dl:first-child > div").all():
+        for row in await page.locator(f"{form('Connection')} dl:first-child > div").all():
             key = await row.locator("small").inner_text()
             rows[key] = await row.inner_text()
         told = {**hello, **hello["limits"]}

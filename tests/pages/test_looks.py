@@ -3,57 +3,19 @@
 
 import json
 import re
-from pathlib import Path
 
 import pytest
 
 from tests.pages.conftest import page_address
-from tests.pages.test_debug_page import NOTE_SENT, PHONE, until
+from tests.pages.test_debug_page import NOTE_SENT, PHONE, card, until
 from tests.pages.test_plot import point
 from tests.pages.test_topic_card import LABEL, plotted
+from tests.pages.test_words import LANGUAGES
 from tests.pages.test_world_views import COUNT
 
 pytestmark = pytest.mark.asyncio(loop_scope="package")
 
-PAGES = Path(__file__).parents[2] / "gateway/fronts/pages"
 GROUND = "() => getComputedStyle(document.body).backgroundColor"
-LANGUAGES = """async () => {
-    const { LANGUAGES } = await import("/shared/language.js");
-    const files = Object.keys(LANGUAGES).map(async (each) =>
-        [each, (await import(`/words/${each}.js`)).default]);
-    return Object.fromEntries(await Promise.all(files));
-}"""
-# a key in quotes or, put together, in backticks. Other functions of the name `say` get sentences
-WORD = re.compile(
-    r"""\b(?:say|count)\((["`])([a-z](?:[\w.]|\$\{[^}]+\})*)\1|data-say(?:-\w+)?="([^"]+)\""""
-)
-
-
-def used() -> set[str]:
-    """Return the keys of all texts that the pages use. A key that is put together is a pattern."""
-    sources = [each for kind in ("*.js", "*.html") for each in PAGES.rglob(kind)]
-    found = [
-        keys
-        for each in sources
-        if each.parent.name not in {"vendor", "words"}
-        for keys in WORD.findall(each.read_text())
-    ]
-    return {re.sub(r"\\\$\\\{[^}]*\}", ".+", re.escape(one or other)) for _, one, other in found}
-
-
-async def test_all_languages_have_the_same_texts_with_the_same_values_and_all_are_used(evaluate):
-    words = await evaluate(LANGUAGES)
-    assert {each.stem for each in (PAGES / "words").glob("*.js")} == set(words)
-    values = {
-        language: {key: sorted(re.findall(r"\{(\w+)\}", text)) for key, text in texts.items()}
-        for language, texts in words.items()
-    }
-    for each in values.values():
-        assert each == values["en"]
-    patterns = {f"{each}(?:\\.(?:one|other))?" for each in used()}
-    keys = set(words["en"])
-    assert [key for key in keys if not any(re.fullmatch(each, key) for each in patterns)] == []
-    assert [each for each in patterns if not any(re.fullmatch(each, key) for key in keys)] == []
 
 
 @pytest.mark.parametrize("path", ["", "drive", "lab"])
@@ -178,6 +140,34 @@ async def test_a_page_is_in_one_language(demo, open_page, evaluate, path):
         await until(page, "words => control.textContent === words", words["control.stopped"])
         await page.wait_for_selector("main canvas")
         assert [each for each in await page.evaluate(READ) if not known.fullmatch(each)] == []
+
+
+CARDS = (
+    "#card=publish+0+/cmd_vel&card=call+0+/motor_power&card=goal+0+/navigate_to_pose"
+    "&card=parameters+0+/&card=node+0+/simulated_robot&card=graph+0+/&card=connection+0+/"
+    "&card=raw+0+/odom&card=drive+0+/cmd_vel"
+)
+OF_ROBOT = "pre, .name, .problem, .form [title], .form :is(input, select, textarea)"
+SENTENCE = re.compile(r"[a-z]{2} [a-z]{2}", re.IGNORECASE)
+
+
+async def test_the_cards_are_in_one_language(demo, open_page, evaluate):
+    """As far as their own words go. The robot and the gateway have theirs."""
+    words = (await evaluate(LANGUAGES))["fi"]
+    patterns = [re.sub(r"\\\{\w+\\\}", ".+", re.escape(each.strip())) for each in words.values()]
+    known = re.compile("|".join(patterns), re.DOTALL)
+    async with open_page(page_address(demo) + CARDS, locale="fi-FI") as page:
+        for each in ("parameters.count.other", "connection.reported", "control.stopped"):
+            tail = words[each].replace("{count}", "")
+            await until(page, "tail => cards.textContent.includes(tail)", tail)
+        forms = "() => document.querySelectorAll('.act:enabled').length === 3"
+        await until(page, forms)
+        await page.locator(f"{card('Kaikkien solmujen parametrit')} summary").first.click()
+        await page.wait_for_selector(".parameters [type=search]")
+        read = READ.replace(".menu, dialog", f".menu, dialog, {OF_ROBOT}")
+        texts = [each for each in await page.evaluate(read) if not known.fullmatch(each)]
+        parts = [part.strip() for each in texts for part in re.split(r" · |, |/\S+", each)]
+        assert [each for each in parts if SENTENCE.search(each) and not known.fullmatch(each)] == []
 
 
 async def test_a_menu_is_used_by_keys_and_these_drive_nothing(demo, open_page):

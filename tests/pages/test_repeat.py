@@ -27,7 +27,7 @@ async def repeat(page, title: str = TITLE) -> None:
 
 async def has_ended(page, why: str) -> None:
     """Wait until the card says that it repeats nothing any more, and see that it does not."""
-    words = page.locator(f"{form(TITLE)} > .problem:text-is('{why}: Repeat has ended.')")
+    words = page.locator(f"{form(TITLE)} > .problem:text-is('Repeat has ended: {why}.')")
     await words.wait_for()
     assert await page.locator(PRESSED).count() == 0
     before = await page.inner_text(f"{form(TITLE)} footer")
@@ -63,7 +63,7 @@ async def test_stop_ends_every_repeat_of_the_page_and_each_card_says_so(demo, op
         await page.click("#stop")
         for title in ("Publish /cmd_vel", "Publish /goal_pose"):
             problem = page.locator(f"{form(title)} > .problem")
-            assert await problem.inner_text() == "STOP was pressed: Repeat has ended."
+            assert await problem.inner_text() == "Repeat has ended: STOP was pressed."
         assert await page.locator("article button[aria-pressed=true]").count() == 0
         await other.receive(lambda frame: frame.get("state") == "stopped", 120)
 
@@ -72,7 +72,7 @@ async def test_a_dead_connection_ends_it_for_good(demo, open_page):
     async with open_page(page_address(demo) + ADDRESS, script=SOCKETS) as page:
         await repeat(page)
         await page.evaluate("() => darken(true)")
-        await has_ended(page, "The gateway did not answer")
+        await has_ended(page, "the gateway did not answer")
         await page.evaluate("() => darken(false)")
         await until(page, "() => state.dataset.state === 'open'")
         assert await page.locator(PRESSED).count() == 0
@@ -83,7 +83,7 @@ async def test_a_lost_connection_ends_it_for_good(demo, open_page):
         await page.goto(page_address(demo) + ADDRESS)
         await repeat(page)
         await line.cut()
-        await has_ended(page, "The connection was lost")
+        await has_ended(page, "the connection was lost")
         line.mend()
         await until(page, "() => state.dataset.state === 'open'")
         assert await page.locator(PRESSED).count() == 0
@@ -96,7 +96,7 @@ async def test_nothing_goes_out_of_a_page_that_nobody_sees(demo, open_page):
             Object.defineProperty(document, "hidden", { value: true, configurable: true });
             document.dispatchEvent(new Event("visibilitychange"));
         }""")
-        await has_ended(page, "The page was hidden")
+        await has_ended(page, "the page is hidden")
 
 
 async def test_nothing_goes_out_of_a_tab_that_is_not_shown(demo, open_page):
@@ -105,7 +105,7 @@ async def test_nothing_goes_out_of_a_tab_that_is_not_shown(demo, open_page):
         await repeat(page)
         await page.click("#desk-tabs button:text-is('Two')")
         await page.click("#desk-tabs button:text-is('One')")
-        await has_ended(page, "Another tab was shown")
+        await has_ended(page, "another tab was shown")
 
 
 async def test_a_stick_is_let_go_when_another_tab_is_shown(demo, open_page):
@@ -130,7 +130,7 @@ async def test_half_a_number_is_not_repeated(demo, open_page):
         await place.fill("0.15")
         await repeat(page)
         await place.press("9")
-        await has_ended(page, "The message was changed")
+        await has_ended(page, "the message was changed")
 
 
 async def test_a_robot_that_was_driven_by_repeat_is_driven_by_it_again(demo, open_page):

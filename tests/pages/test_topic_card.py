@@ -116,7 +116,7 @@ async def test_marks_of_time_are_round(open_card):
 async def test_the_shown_message_is_copied(open_card):
     async with open_card("tree") as page:
         await page.evaluate("() => press('Copy /x')")
-        await until(page, f"() => ({PROBLEM})() === 'not copied: no message has arrived yet'")
+        await until(page, f"() => ({PROBLEM})() === 'not copied: no message yet'")
         await page.evaluate("() => { take({ data: 1 }); drawn(); press('Pause /x'); }")
         await page.evaluate("() => { take({ data: 2 }); drawn(); press('Copy /x'); }")
         await until(page, "() => copied.length === 1")
@@ -205,7 +205,7 @@ async def test_a_new_connection_knows_no_warning_of_the_one_before(open_card):
 async def test_the_footer_does_not_contradict_what_is_wrong(open_card):
     async with open_card("tree") as page:
         await page.evaluate("() => alone.tick()")
-        assert "/talker has sent nothing" in await page.evaluate(FOOTER)
+        assert "/talker sent nothing" in await page.evaluate(FOOTER)
         await page.evaluate("() => says({ code: 'decode_failed', msg: 'unknown' })")
         await page.evaluate("() => alone.tick()")
         assert await page.evaluate(FOOTER) == ""

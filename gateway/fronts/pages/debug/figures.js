@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 import { BASE } from "../shared/base.js";
 import { bytes, element } from "../shared/dom.js";
+import { say } from "../shared/language.js";
 
 const HEALTH_MS = 4000;
 const ABOUT = {
-  dropped: "messages that this page did not get, because its connection or DDS was too slow",
-  clients: "connections to this gateway",
+  dropped: say("figures.dropped.about"),
+  clients: say("figures.clients.about"),
 };
 
 /** The connection in numbers, for the bar. `tick` is called once a second. */
 export class Figures {
-  element = element("dl", { id: "figures", className: "figures", aria: { label: "Connection" } });
+  element = element("dl", { id: "figures", className: "figures", aria: { label: say("connection") } });
   #gateway;
   #before;
   #health = null; // of the gateway, for everybody
@@ -27,7 +28,7 @@ export class Figures {
     this.#before = now;
     const seconds = Math.max(0.001, (now.ms - before.ms) / 1000);
     this.#write({
-      "round trip": now.roundTripMs === null ? "–" : `${now.roundTripMs.toFixed(1)} ms`,
+      trip: now.roundTripMs === null ? "–" : `${now.roundTripMs.toFixed(1)} ms`,
       messages: `${Math.round((now.frames - before.frames) / seconds)}/s`,
       data: `${bytes((now.bytes - before.bytes) / seconds)}/s`,
       dropped: `${now.dropped}`,
@@ -56,7 +57,7 @@ export class Figures {
 
   #write(figures) {
     this.element.replaceChildren(
-      ...Object.entries(figures).map(([name, value]) => element("div", { title: ABOUT[name] ?? "" }, element("dt", {}, name), element("dd", {}, value))),
+      ...Object.entries(figures).map(([name, value]) => element("div", { title: ABOUT[name] ?? "" }, element("dt", {}, say(`figures.${name}`)), element("dd", {}, value))),
     );
     const { scrollWidth, clientWidth } = this.element;
     this.element.tabIndex = scrollWidth > clientWidth ? 0 : -1; // on a phone a key also scrolls it

@@ -2,42 +2,42 @@
 // The greeting of the gateway to a connection, in words with units.
 
 import { bytes } from "../shared/dom.js";
+import { language, say } from "../shared/language.js";
 
-const count = (value) => value.toLocaleString("en");
+const count = (value) => value.toLocaleString(language);
 const seconds = (value) => `${value} s`;
-const rate = (value) => (value ? `${count(value)} per second` : "no limit");
-const share = (value) => (value < 1 ? `${Math.round(value * 100)} % of the gateway's time` : "no limit");
+const rate = (value) => (value ? say("unit.rate", { count: count(value) }) : say("unit.unlimited"));
+const share = (value) => (value < 1 ? say("unit.share", { percent: Math.round(value * 100) }) : say("unit.unlimited"));
 
-/** Of each member of `hello` and of its `limits` what it means, and how its value is written. @type {Object<string, [string, (value: any) => string]>} */
-const WORDS = {
-  server: ["Server", String],
-  version: ["Version", String],
-  protocol: ["Protocol", String],
-  ros_distro: ["ROS 2 distribution", String],
-  domain_id: ["ROS domain", String],
-  rmw: ["Middleware", String],
-  discovery: ["Reach of the discovery", String],
-  role: ["Role of this page", String],
-  message_bytes: ["Largest frame that this page may send", bytes],
-  client_time_share: ["Work for this page, before the gateway slows it down", share],
-  address_time_share: ["Work for all clients of this computer", share],
-  frames_per_s: ["Frames that this page may send, on average", rate],
-  frames_burst: ["Frames that it may send at once", count],
-  subscriptions: ["Topics that it may subscribe to", count],
-  advertisements: ["Topics that it may advertise", count],
-  pending_calls: ["Service calls at once", count],
-  goals: ["Action goals at once", count],
-  transforms: ["Transforms that it may follow", count],
-  service_timeout_s: ["Time for a service to answer", seconds],
-  name_characters: ["Longest name", (value) => `${count(value)} characters`],
-  json_depth: ["Deepest nesting of its JSON", (value) => `${count(value)} levels`],
-  json_items: ["Values in one frame of JSON", count],
-  queue_length: ["Longest queue of a topic", (value) => `${count(value)} messages`],
-  send_queue_bytes: ["Data that waits for this page, before the oldest is dropped", bytes],
+/** How the value of each member of `hello` and of its `limits` is written. @type {Object<string, (value: any) => string>} */
+const WRITERS = {
+  server: String,
+  version: String,
+  protocol: String,
+  ros_distro: String,
+  domain_id: String,
+  rmw: String,
+  discovery: String,
+  role: String,
+  message_bytes: bytes,
+  client_time_share: share,
+  address_time_share: share,
+  frames_per_s: rate,
+  frames_burst: count,
+  subscriptions: count,
+  advertisements: count,
+  pending_calls: count,
+  goals: count,
+  transforms: count,
+  service_timeout_s: seconds,
+  name_characters: (value) => say("unit.characters", { count: count(value) }),
+  json_depth: (value) => say("unit.levels", { count: count(value) }),
+  json_items: count,
+  queue_length: (value) => say("unit.messages", { count: count(value) }),
+  send_queue_bytes: bytes,
 };
 
 /** Return the words for a member and its value. Of one that is unknown here, its key and the bare value. */
 export function worded(key, value) {
-  const [words, write] = Object.hasOwn(WORDS, key) ? WORDS[key] : [key, String];
-  return { words, value: write(value) };
+  return Object.hasOwn(WRITERS, key) ? { words: say(`limits.${key}`), value: WRITERS[key](value) } : { words: key, value: String(value) };
 }

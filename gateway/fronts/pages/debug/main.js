@@ -32,7 +32,7 @@ const KEYS = [
   ["m", say("keys.maximise")], ["Escape", say("keys.restore")], ["[ ]", say("keys.move")], ["← ↑ ↓ →", say("keys.resize")],
 ];
 
-const gateway = new Gateway();
+const gateway = new Gateway({ say });
 const figures = new Figures(gateway);
 const counts = {}; // by tab, how many of how many it lists
 let tab = "tab-topics"; // that is shown
@@ -129,7 +129,7 @@ function restore({ tabs, at, unknown }) {
   }
   desk.show(desk.tabs[at] ?? desk.tab);
   keep();
-  if (unknown.length) bar.tell(`The address names unknown cards: ${unknown.map((each) => JSON.stringify(each.slice(0, 80))).join(", ")}.`);
+  if (unknown.length) bar.tell(say("address.cards", { names: unknown.map((each) => JSON.stringify(each.slice(0, 80))).join(", ") }));
 }
 
 /** Keep how many of how many a tab lists, and say it of the one that is shown. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-import { NOTHING_YET } from "../shared/arrivals.js";
+import { say } from "../shared/language.js";
+import { wordsOf } from "./arrival_words.js";
 
 const EVERY_MS = 500;
 const RETRY_TICKS = 10; // of one that is refused: there may be room again
@@ -45,7 +46,9 @@ export class Measuring {
   /** Return the figures of a topic in words, or why they are missing. */
   words(topic) {
     const measured = this.#measured.get(topic);
-    return this.arrivals(topic)?.words ?? (measured ? measured.problem || NOTHING_YET : "");
+    const arrivals = this.arrivals(topic);
+    if (arrivals) return wordsOf(arrivals);
+    return measured ? measured.problem || say("arrivals.none") : "";
   }
 
   /** Measure what is to be measured now. Called once a second, so that scrolling by asks for nothing. */

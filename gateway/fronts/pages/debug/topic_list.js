@@ -127,8 +127,8 @@ export class TopicList {
       const [title, types, figures] = [titled("span"), titled("small"), element("small", { className: "figures" })];
       const button = element("button", { type: "button", className: "ghost", aria: { pressed: String(this.#opened.has(name)) } }, title.element, types.element, figures);
       button.onclick = () => this.#to.open(name);
-      const drive = also("drive", say("list.drive", { name }), () => this.#to.drive(name));
-      const plot = also("plot", say("list.plot", { name }), () => this.#to.plot(name));
+      const drive = also(say("list.drive.short"), say("list.drive", { name }), () => this.#to.drive(name));
+      const plot = also(say("list.plot.short"), say("list.plot", { name }), () => this.#to.plot(name));
       const publish = also("✎", say("list.publish", { name }), () => this.#to.publish(name));
       for (const each of [button, drive, plot, publish]) each.disabled = Boolean(this.#misname(name));
       item = { button, title, types, figures, drive, element: element("li", { dataset: { topic: name } }, button, element("span", { className: "actions" }, drive, plot, publish)) };

@@ -27,7 +27,7 @@ const LATE_MS = { map: 10_000, place: 2000 };
 const BEGIN_MS = 30;
 const STOPPED_MS = 250;
 
-const gateway = new Gateway();
+const gateway = new Gateway({ say });
 const camera = new Place(find("camera"), gateway);
 const world = new Place(find("world"), gateway, LATE_MS);
 const motion = new Motion();

@@ -33,7 +33,7 @@ import { Viewer } from "./walk.js";
 const BEYOND = say("lab.beyond", { metres: HALF_M });
 const DRIVING = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] };
 
-const gateway = new Gateway();
+const gateway = new Gateway({ say });
 bar.connect(gateway, "lab", { keys: [["← ↑ ↓ →", say("keys.drive")], ["Space", say("keys.stop")]] });
 tellWrong(gateway, bar.tell);
 
@@ -172,7 +172,7 @@ function render() {
 /** Send the robot to where a ray meets the floor. If it meets the screen of any topic, show the next one there. */
 function point(raycaster) {
   if (drawing.refusal) return pilot.stop(drawing.refusal);
-  if (isHeld()) return pilot.stop(say("lab.held"));
+  if (isHeld()) return pilot.stop(say("stop.held"));
   const thing = sight.thing(raycaster);
   if (thing === screens.topic.mesh) return next();
   const refusal = refusalOf(raycaster.ray, thing);

@@ -107,7 +107,7 @@ export class Sources {
 
   /** Show a topic on a screen as text. Return what ends that. */
   read(topic, screen) {
-    screen.show(topic, say("lab.silent"));
+    screen.show(topic, say("arrivals.none"));
     return this.#gateway.subscribe(
       topic, { throttle_rate: SLOW_MS },
       (message) => screen.show(topic, readable(message)),

@@ -66,7 +66,7 @@ export class Navigation {
 
   /** Send the robot to a place of a frame. */
   go(place, frame) {
-    if (isHeld()) return this.#say(say("lab.held"));
+    if (isHeld()) return this.#say(say("stop.held"));
     if (!frame) return this.#say(say("goal.frameless"));
     this.#leave();
     const pose = { header: { frame_id: frame }, pose: poseOf(place) };

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // by tools/page-types.sh
-export const NOTHING_YET: "no message yet";
 /** The messages that arrived of one topic, or for one card. `tick` is called once per second. */
 export class Arrivals {
     messages: number;
@@ -26,7 +25,5 @@ export class Arrivals {
     get rate(): string;
     /** The size of the newest message in words. */
     get size(): string;
-    /** Rate, size and age in words. */
-    get words(): string;
     #private;
 }

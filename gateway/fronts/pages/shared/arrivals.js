@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-import { bytes, span } from "./dom.js";
+import { bytes } from "./dom.js";
 
-export const NOTHING_YET = "no message yet";
 const LEAST_MS = 400; // between two messages that a rate is reckoned from: a burst has none
 const LATE_MS = 2000;
 const LEAST_HZ = 0.05; // less would be shown as 0
@@ -67,15 +66,5 @@ export class Arrivals {
   /** The size of the newest message in words. */
   get size() {
     return bytes(this.#bytes);
-  }
-
-  /** Rate, size and age in words. */
-  get words() {
-    if (!this.messages) return NOTHING_YET;
-    const parts = [this.size, `${span(this.ageMs)} old`];
-    if (this.hasRate) parts.unshift(this.rate);
-    if (this.messages === 1 && this.ageMs > LATE_MS) parts.unshift("came once");
-    if (this.dropped) parts.push(`${this.dropped} dropped`);
-    return parts.join(" · ");
   }
 }

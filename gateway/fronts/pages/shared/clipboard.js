@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { say } from "./language.js";
 
 /**
  * Copy a text. Browsers have `navigator.clipboard` on https and localhost only, and a robot's page is often on neither.
@@ -18,5 +19,5 @@ export async function copy(text) {
   const isCopied = document.execCommand("copy");
   area.remove();
   had?.focus();
-  if (!isCopied) throw new Error("this browser copies on https only");
+  if (!isCopied) throw new Error(say("copy.https"));
 }

@@ -10,6 +10,7 @@ export function address(): string;
  * @typedef {object} Options
  * @property {string} [address] of the WebSocket, such as `ws://robot:9090?status=warning`. By default that of the gateway that served this module
  * @property {string} [token] By default the one behind `#token=` in the address of the page, which is kept until its tab is closed
+ * @property {(key: string, values?: Record<string, string|number>) => string} [say] returns the words for a key of words/en.js. By default in English
  */
 /**
  * The words of the gateway about a request or a topic. docs/reference/errors.md has the codes.
@@ -54,7 +55,7 @@ export function address(): string;
  */
 export class Gateway extends EventTarget {
     /** @param {Options} [options] */
-    constructor({ address: wanted, token }?: Options);
+    constructor({ address: wanted, token, say }?: Options);
     /**
      * Frames and bytes so far, messages that were dropped for this page, and the last round trip in milliseconds.
      * @type {{frames: number, bytes: number, dropped: number, roundTripMs: number|null}}
@@ -168,6 +169,10 @@ export type Options = {
      * By default the one behind `#token=` in the address of the page, which is kept until its tab is closed
      */
     token?: string;
+    /**
+     * returns the words for a key of words/en.js. By default in English
+     */
+    say?: (key: string, values?: Record<string, string | number>) => string;
 };
 /**
  * The words of the gateway about a request or a topic. docs/reference/errors.md has the codes.

@@ -2,6 +2,7 @@
 // The connection of a page to a gateway. It comes back by itself, and asks for what was subscribed again.
 // Other pages than those of the gateway also use this module: docs/how-to/javascript-module.md. `tools/page-types.sh` writes its types.
 
+import en from "../words/en.js";
 import { Arrivals } from "./arrivals.js";
 import { BASE } from "./base.js";
 import { decode } from "./cbor.js";
@@ -10,6 +11,7 @@ import { Graph } from "./graph.js";
 import { json, parse } from "./json.js";
 import { Pulse } from "./pulse.js";
 import * as tokens from "./token.js";
+import { worded } from "./worded.js";
 
 const FIRST_RETRY_MS = 500;
 const LAST_RETRY_MS = 2000; // a person waits, and stands in a hall with holes in its radio
@@ -34,6 +36,7 @@ export function address() {
  * @typedef {object} Options
  * @property {string} [address] of the WebSocket, such as `ws://robot:9090?status=warning`. By default that of the gateway that served this module
  * @property {string} [token] By default the one behind `#token=` in the address of the page, which is kept until its tab is closed
+ * @property {(key: string, values?: Record<string, string|number>) => string} [say] returns the words for a key of words/en.js. By default in English
  */
 
 /**
@@ -91,6 +94,7 @@ export class Gateway extends EventTarget {
   #retryMs = FIRST_RETRY_MS;
   #address;
   #token;
+  #say;
   #keep = tokens.keep;
   #pulse = new Pulse(() => this.#ping(), (seconds) => this.#tellOfSilence(seconds), (seconds) => this.#giveUp(seconds));
   #throttles = new Map(); // topic -> milliseconds
@@ -113,8 +117,9 @@ export class Gateway extends EventTarget {
   arrivals = new Map();
 
   /** @param {Options} [options] */
-  constructor({ address: wanted, token } = {}) {
+  constructor({ address: wanted, token, say = (key, values) => worded(en, key, values) } = {}) {
     super();
+    this.#say = say;
     this.#address = wanted ?? address();
     this.#token = token === undefined ? tokens.take() : tokens.cleaned(token);
     if (token !== undefined) this.#keep = () => {};
@@ -137,7 +142,7 @@ export class Gateway extends EventTarget {
   connect() {
     clearTimeout(this.#retry);
     if (this.#token && !tokens.isToken(this.#token)) {
-      this.#refuse("this is not a token: use letters, digits, and _, without spaces");
+      this.#refuse(this.#say("token.invalid"));
       return;
     }
     this.#announce("connecting");
@@ -197,7 +202,7 @@ export class Gateway extends EventTarget {
     const id = `page:${this.#nextId++}`;
     return new Promise((resolve, reject) => {
       this.#pending.set(id, { resolve, reject });
-      if (!this.send({ ...operation, id }, json)) this.#settle(id, null, "not connected");
+      if (!this.send({ ...operation, id }, json)) this.#settle(id, null, this.#say("unconnected"));
     });
   }
 
@@ -330,7 +335,7 @@ export class Gateway extends EventTarget {
   /** Replace a silent connection by a new one: its orderly end would also wait for the other side. */
   #giveUp(seconds) {
     const socket = this.#socket;
-    this.#close({ code: 0, reason: `no answer for ${seconds} s` });
+    this.#close({ code: 0, reason: this.#say("state.silent", { seconds }) });
     socket.close();
   }
 
@@ -344,11 +349,11 @@ export class Gateway extends EventTarget {
     try {
       frame = isText ? parse(data) : decode(data);
     } catch (error) {
-      this.#tell({ level: "error", msg: `the gateway sent invalid ${isText ? "JSON" : "CBOR"}: ${error.message}` });
+      this.#tell({ level: "error", msg: this.#say("frame.invalid", { format: isText ? "JSON" : "CBOR", message: error.message }) });
       return;
     }
     if (typeof frame?.op !== "string" || (frame.op === "publish" && !(frame.msg instanceof Object))) {
-      this.#tell({ level: "error", msg: `the gateway sent an unknown operation: ${json(frame)?.slice(0, 80)}` });
+      this.#tell({ level: "error", msg: this.#say("frame.unknown", { frame: json(frame)?.slice(0, 80) ?? "" }) });
       return;
     }
     if (this.#listeners.has(frame.id)) {
@@ -427,8 +432,8 @@ export class Gateway extends EventTarget {
     this.#socket = null;
     this.#pulse.end();
     this.counts.roundTripMs = null;
-    for (const id of [...this.#pending.keys()]) this.#settle(id, null, "the connection was lost", "", true);
-    if (event.code === WRONG_TOKEN) this.#refuse("this token is unknown or revoked: enter another one");
+    for (const id of [...this.#pending.keys()]) this.#settle(id, null, this.#say("end.connection"), "", true);
+    if (event.code === WRONG_TOKEN) this.#refuse(this.#say("token.unknown"));
     if (this.#isRefused) return;
     this.#announce("closed", event.reason);
     this.#retry = setTimeout(() => this.connect(), this.#retryMs);

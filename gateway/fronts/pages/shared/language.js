@@ -3,6 +3,7 @@
 
 import en from "../words/en.js";
 import fi from "../words/fi.js";
+import { worded } from "./worded.js";
 
 const KEY = "ros2-gateway.language";
 
@@ -38,10 +39,7 @@ export function choose(other) {
  * @param {string} key
  * @param {Record<string, string|number>} [values] of what stands in braces
  */
-export function say(key, values = {}) {
-  if (!Object.hasOwn(words, key)) throw new Error(`no words for ${key}`);
-  return words[key].replace(/\{(\w+)\}/g, (_, name) => String(values[name]));
-}
+export const say = (key, values = {}) => worded(words, key, values);
 
 /** Return a number of something in words, such as "1 topic" or "2 topics". */
 export const count = (key, number) => say(`${key}.${plural.select(number) === "one" ? "one" : "other"}`, { count: number });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, span } from "../../shared/dom.js";
 import { json } from "../../shared/json.js";
+import { say } from "../../shared/language.js";
 import { Form } from "../forms/form.js";
 import { FormCard } from "./form_card.js";
 
@@ -10,7 +11,7 @@ export class CallCard extends FormCard {
   #calls = 0;
 
   constructor(gateway, shown, actions) {
-    super(gateway, shown, actions, { verb: "Call", title: `Call ${shown.topic}`, typeOf: () => gateway.graph.services.get(shown.topic)?.types[0] ?? "" });
+    super(gateway, shown, actions, { kind: "call", typeOf: () => gateway.graph.services.get(shown.topic)?.types[0] ?? "" });
     this.body.append(this.#answer);
   }
 
@@ -26,16 +27,16 @@ export class CallCard extends FormCard {
   async #call(args) {
     this.#calls += 1;
     const number = this.#calls;
-    const name = number > 1 ? `call ${number}: ` : "";
+    const report = (words) => (this.footer.textContent = number > 1 ? say("call.number", { number, words }) : words);
     this.tell("");
     this.#answer.textContent = "";
-    this.footer.textContent = `${name}waiting for the answer ...`;
+    report(say("call.waiting"));
     const began = performance.now();
     const { text = "", problem = "" } = await this.#answerTo(args);
     if (number !== this.#calls) return;
     this.#answer.textContent = text;
     this.tell(problem);
-    this.footer.textContent = `${name}after ${span(performance.now() - began)}`;
+    report(say("call.after", { span: span(performance.now() - began) }));
   }
 
   async #answerTo(args) {

@@ -46,24 +46,24 @@ export class Card {
    * @param {import("../../shared/gateway.js").Gateway} gateway
    * @param {Shown} shown
    * @param {Actions} actions
-   * @param {{label?: string, title?: string, type?: string}} [words] by default those of the name that is shown
+   * @param {{title?: string, type?: string}} [words] by default the name that is shown
    */
-  constructor(gateway, shown, actions, { label = shown.topic, title = shown.topic, type = "" } = {}) {
+  constructor(gateway, shown, actions, { title = shown.topic, type = "" } = {}) {
     this.#demand = new Demand(gateway);
     /** For a view that needs more than its topic. */
     this.gateway = this.#demand.gateway;
     this.actions = actions;
     Object.assign(this, shown);
     this.controls = element("div", { className: "controls" });
-    const close = element("button", { type: "button", className: "ghost", aria: { label: say("card.close", { label }) } }, "✕");
+    const close = element("button", { type: "button", className: "ghost", aria: { label: say("card.close", { label: title }) } }, "✕");
     close.onclick = () => actions.close(this);
-    const more = menu(say("card.more", { label }), () => [...this.entries(), ...this.#places()]);
+    const more = menu(say("card.more", { label: title }), () => [...this.entries(), ...this.#places()]);
     const corner = element("span", { className: "corner" }, more, close);
     const header = element("header", {}, element("h3", {}, breakable(title)), this.controls, corner, this.#type);
     header.ondblclick = ({ target }) => target.closest("button, select, label, input") || actions.maximise(this);
     this.writeType(type);
-    const grip = resizable(this, say("card.resize", { label }));
-    this.element = element("article", { className: "card", tabIndex: -1, aria: { label } }, header, this.problem, this.body, this.footer, grip);
+    const grip = resizable(this, say("card.resize", { label: title }));
+    this.element = element("article", { className: "card", tabIndex: -1, aria: { label: title } }, header, this.problem, this.body, this.footer, grip);
     this.element.addEventListener("keydown", (event) => this.#press(event));
     movable(this.element, header, (before) => actions.move(this, { before }));
     resize(this, this.wide, this.tall);

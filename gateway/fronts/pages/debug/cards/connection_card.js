@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
+import { say } from "../../shared/language.js";
+import { wordsOf } from "../arrival_words.js";
 import { worded } from "../limits.js";
 import { Card } from "./card.js";
 
@@ -9,8 +11,8 @@ export class ConnectionCard extends Card {
   #topics = element("dl", { className: "pairs" });
 
   constructor(gateway, shown, actions) {
-    super(gateway, shown, actions, { label: "connection", title: "Connection" });
-    this.body.append(this.#about, element("h4", {}, "Topics"), this.#topics);
+    super(gateway, shown, actions, { title: say("connection") });
+    this.body.append(this.#about, element("h4", {}, say("list.topics")), this.#topics);
     this.tick();
   }
 
@@ -23,8 +25,8 @@ export class ConnectionCard extends Card {
       return [[words, ...(words === key ? [] : [" ", element("small", {}, key)])], value];
     }));
     const shown = [...this.gateway.arrivals].filter(([name]) => name.startsWith("/")); // the others are measured only
-    write(this.#topics, shown.map(([name, { words }]) => [[name], words]));
-    this.footer.textContent = this.gateway.hello ? "as the gateway reports" : "not connected";
+    write(this.#topics, shown.map(([name, arrivals]) => [[name], wordsOf(arrivals)]));
+    this.footer.textContent = this.gateway.hello ? say("connection.reported") : say("unconnected");
   }
 }
 

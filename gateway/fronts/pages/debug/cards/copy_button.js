@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { copy } from "../../shared/clipboard.js";
 import { element } from "../../shared/dom.js";
+import { say } from "../../shared/language.js";
 
 const SAID_MS = 2000; // how long it says that it has copied
 
@@ -12,21 +13,21 @@ const SAID_MS = 2000; // how long it says that it has copied
  */
 export function copyButton({ label, title }, text, tell) {
   const said = element("span", { className: "unseen", role: "status" }); // the name of the button stays, and is not read out again
-  const button = element("button", { type: "button", title, aria: { label } }, "Copy");
+  const button = element("button", { type: "button", title, aria: { label } }, say("copy"));
   let isSaid = 0;
-  const say = (isCopied) => {
+  const report = (isCopied) => {
     clearTimeout(isSaid);
-    button.textContent = isCopied ? "Copied" : "Copy";
-    said.textContent = isCopied ? "Copied" : "";
-    if (isCopied) isSaid = setTimeout(say, SAID_MS, false);
+    button.textContent = isCopied ? say("copy.done") : say("copy");
+    said.textContent = isCopied ? say("copy.done") : "";
+    if (isCopied) isSaid = setTimeout(report, SAID_MS, false);
   };
   button.onclick = async () => {
     try {
       await copy(text());
       tell("");
-      say(true);
+      report(true);
     } catch (error) {
-      say(false);
+      report(false);
       tell(error.message);
     }
   };

@@ -21,7 +21,7 @@ export class DriveCard extends Card {
 
   constructor(gateway, shown, actions) {
     const title = say("drive.card", { topic: shown.topic });
-    super(gateway, shown, actions, { label: title, title });
+    super(gateway, shown, actions, { title });
     const knob = element("div", { className: "knob" });
     const stick = element("div", { className: "stick", tabIndex: 0, aria: { label: say("drive.stick.of", { topic: this.topic }) } }, knob);
     stick.setAttribute("role", "application");

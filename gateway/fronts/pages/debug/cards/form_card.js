@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
+import { say } from "../../shared/language.js";
 import { Card } from "./card.js";
 
-export const NOT_CONNECTED = "not connected"; // said until there is a connection
+export const NOT_CONNECTED = say("unconnected"); // said until there is a connection
 
 /** A card with a form for a message, built from the gateway's description of its type. */
 export class FormCard extends Card {
@@ -23,14 +24,15 @@ export class FormCard extends Card {
    * @param {import("../../shared/gateway.js").Gateway} gateway
    * @param {import("./card.js").Shown} shown
    * @param {import("./card.js").Actions} actions
-   * @param {{verb: string, title: string, typeOf: () => string}} words the label of the button, and a function that returns the described type, "" without one
+   * @param {{kind: string, typeOf: () => string}} about what it sends, and a function that returns the described type, "" without one
    */
-  constructor(gateway, shown, actions, { verb, title, typeOf }) {
-    super(gateway, shown, actions, { label: title, title });
+  constructor(gateway, shown, actions, { kind, typeOf }) {
+    const [verb, title] = [say(`form.act.${kind}`), say(`form.title.${kind}`, { name: shown.topic })];
+    super(gateway, shown, actions, { title });
     this.#typeOf = typeOf;
     this.#act = element("button", { type: "button", className: "act", disabled: true, aria: { label: `${verb} ${shown.topic}` } }, verb);
     this.#act.onclick = () => this.act();
-    this.#text = element("button", { type: "button", title: "write it as JSON, or in fields again", disabled: true, aria: { label: `JSON of ${title}` } }, "JSON");
+    this.#text = element("button", { type: "button", title: say("form.json"), disabled: true, aria: { label: say("form.json.of", { title }) } }, "JSON");
     this.#text.onclick = () => this.#attempt(() => this.form.toggle());
     this.controls.append(this.#text);
     this.buttons.append(this.#act);
@@ -51,7 +53,7 @@ export class FormCard extends Card {
    * @returns {import("../forms/form.js").Form}
    */
   formOf(described) {
-    throw new Error(`no form for ${described.schema.title}`);
+    throw new Error(`abstract: ${described.schema.title}`);
   }
 
   /**
@@ -88,7 +90,7 @@ export class FormCard extends Card {
     const type = this.#typeOf();
     if (type && type !== this.#described) this.#describe(type);
     if (type || this.form) return; // a form goes on with the type that there was
-    this.#missing = `${this.topic} does not exist, or no longer exists, so its type is unknown.`;
+    this.#missing = say("form.gone", { name: this.topic });
     this.tell(this.#missing);
   }
 
@@ -111,7 +113,7 @@ export class FormCard extends Card {
     else this.body.prepend(form.element);
     this.footer.before(this.buttons);
     this.#act.disabled = this.#text.disabled = false;
-    if (before) this.tell(`${this.topic} has another type now: ${type}.`);
+    if (before) this.tell(say("form.replaced", { name: this.topic, type }));
     else this.untell(this.#missing);
     this.actions.grown(this);
   }

@@ -2,6 +2,7 @@
 import { element, span } from "../../shared/dom.js";
 import { isRefusal, sendGoal } from "../../shared/goal.js";
 import { json } from "../../shared/json.js";
+import { say } from "../../shared/language.js";
 import { isHeld } from "../../shared/stop_held.js";
 import { Form } from "../forms/form.js";
 import { FormCard, NOT_CONNECTED } from "./form_card.js";
@@ -10,20 +11,20 @@ const STATUS = { 4: "succeeded", 5: "canceled", 6: "aborted" }; // of action_msg
 
 /** A form that sends a goal to an action, its feedback and its result. STOP and closing it cancel the goal. */
 export class GoalCard extends FormCard {
-  #cancel = element("button", { type: "button", disabled: true }, "Cancel");
-  #feedback = element("pre", { className: "raw", role: "group", aria: { live: "off", label: "feedback" } });
-  #result = element("pre", { className: "raw", role: "status", aria: { label: "result" } });
+  #cancel = element("button", { type: "button", disabled: true }, say("cancel"));
+  #feedback = element("pre", { className: "raw", role: "group", aria: { live: "off", label: say("goal.feedback") } });
+  #result = element("pre", { className: "raw", role: "status", aria: { label: say("goal.result") } });
   /** The one on its way. @type {import("../../shared/goal.js").Goal|null} */
   #goal = null;
   #beganMs = 0;
   #ignore = () => {};
 
   constructor(gateway, shown, actions) {
-    super(gateway, shown, actions, { verb: "Send goal", title: `Goal of ${shown.topic}`, typeOf: () => gateway.graph.actions.get(shown.topic)?.types[0] ?? "" });
+    super(gateway, shown, actions, { kind: "goal", typeOf: () => gateway.graph.actions.get(shown.topic)?.types[0] ?? "" });
     this.#cancel.onclick = () => this.#goal?.cancel();
     this.buttons.append(this.#cancel);
     this.body.append(this.#feedback, this.#result);
-    this.#ignore = gateway.on("state", () => this.#end("the connection was lost, so the gateway cancels the goal"));
+    this.#ignore = gateway.on("state", () => this.#end(say("goal.lost")));
   }
 
   formOf({ schema }) {
@@ -31,8 +32,8 @@ export class GoalCard extends FormCard {
   }
 
   submit() {
-    if (isHeld()) throw new Error("STOP is held: release it first.");
-    if (this.#goal) throw new Error("a goal is in progress: cancel it first");
+    if (isHeld()) throw new Error(say("stop.held"));
+    if (this.#goal) throw new Error(say("goal.already"));
     const args = this.form.json();
     this.tell("");
     this.#feedback.textContent = this.#result.textContent = "";
@@ -43,7 +44,7 @@ export class GoalCard extends FormCard {
     }
     this.#beganMs = performance.now();
     this.#cancel.disabled = false;
-    this.footer.textContent = "in progress";
+    this.footer.textContent = say("goal.progress");
   }
 
   close() {
@@ -61,7 +62,7 @@ export class GoalCard extends FormCard {
     else if (op === "action_result") {
       write(this.#result, result ? json(values, 2) : "");
       this.#end(result ? "" : String(values));
-      this.footer.textContent = `${STATUS[status] ?? "not carried out"} after ${span(performance.now() - this.#beganMs)}`;
+      this.footer.textContent = say(`goal.${STATUS[status] ?? "undone"}`, { span: span(performance.now() - this.#beganMs) });
     }
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
+import { count, say } from "../../shared/language.js";
 import { Card } from "./card.js";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -19,8 +20,8 @@ export class GraphCard extends Card {
   #ignore = () => {};
 
   constructor(gateway, shown, actions) {
-    super(gateway, shown, actions, { label: "graph", title: "Nodes and topics" });
-    this.controls.append(element("label", { title: "also the log, parameter events, diagnostics and what is hidden" }, this.#all, " all"));
+    super(gateway, shown, actions, { title: say("graph") });
+    this.controls.append(element("label", { title: say("graph.all.about") }, this.#all, say("graph.all")));
     this.#all.onchange = () => this.#write();
     this.body.append(this.#picture);
     this.element.classList.add("wide");
@@ -41,7 +42,7 @@ export class GraphCard extends Card {
     const places = columns.map((names) => new Map(names.map((name, row) => [name, row])));
     const picture = svg("svg", {
       width: COLUMNS[2] + WIDE + 8, height: Math.max(...columns.map((each) => each.length)) * ROW + 8,
-      role: "group", "aria-label": "nodes and topics: the arrow keys go from one to the next, Enter opens it",
+      role: "group", "aria-label": say("graph.label"),
     });
     this.#links = topics.flatMap(({ name, publishers, subscribers }) => [
       ...[...new Set(publishers)].map((node) => [[0, node], [1, name]]),
@@ -53,8 +54,8 @@ export class GraphCard extends Card {
     const hadFocus = this.#picture.contains(document.activeElement);
     this.#picture.replaceChildren(picture);
     this.#lead(this.#find(this.#current) ?? this.#boxes.flat()[0], hadFocus);
-    const count = new Set([...columns[0], ...columns[2]]).size;
-    this.footer.textContent = `topics: ${topics.length} · nodes: ${count} · click or Enter opens one, arrow keys go to the next`;
+    const all = new Set([...columns[0], ...columns[2]]).size;
+    this.footer.textContent = [count("list.topic", topics.length), count("list.node", all), say("graph.hint")].join(" · ");
   }
 
   /** Let Tab lead to a box, and give it the focus if it is to have it. */
@@ -82,7 +83,7 @@ export class GraphCard extends Card {
 
   #box(picture, name, column, row) {
     const kind = column === 1 ? "topic" : "node";
-    const box = svg("g", { class: kind, tabindex: -1, role: "button", "aria-label": `${kind} ${name}`, "aria-description": this.#about(column, name) });
+    const box = svg("g", { class: kind, tabindex: -1, role: "button", "aria-label": say(`graph.${kind}`, { name }), "aria-description": this.#about(column, name) });
     Object.assign(box.dataset, { column, name });
     const text = svg("text", { x: COLUMNS[column] + 8, y: row * ROW + 20 });
     text.textContent = name.length > 32 ? `${name.slice(0, 14)} … ${name.slice(-15)}` : name;
@@ -107,9 +108,9 @@ export class GraphCard extends Card {
   #about(column, name) {
     const before = this.#links.filter(([, to]) => to[0] === column && to[1] === name).map(([[, its]]) => its);
     const after = this.#links.filter(([from]) => from[0] === column && from[1] === name).map(([, [, its]]) => its);
-    if (column === 0) return `publishes ${after.join(", ")}`;
-    if (column === 2) return `subscribes to ${before.join(", ")}`;
-    return `from ${before.join(", ") || "nobody"}, to ${after.join(", ") || "nobody"}`;
+    if (column === 0) return say("graph.publishes", { names: after.join(", ") });
+    if (column === 2) return say("graph.subscribes", { names: before.join(", ") });
+    return say("graph.between", { publishers: before.join(", ") || say("graph.nobody"), subscribers: after.join(", ") || say("graph.nobody") });
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
+import { say } from "../../shared/language.js";
 import { Parameters } from "../parameters/parameters.js";
 import { Card } from "./card.js";
 
@@ -10,12 +11,12 @@ export class NodeCard extends Card {
   #ignore = () => {};
 
   constructor(gateway, shown, actions) {
-    super(gateway, shown, actions, { label: `node ${shown.topic}`, title: `Node ${shown.topic}` });
-    const again = element("button", { type: "button", title: "ask for the parameters again", aria: { label: `Reload ${shown.topic}` } }, "Reload");
+    super(gateway, shown, actions, { title: say("node.title", { name: shown.topic }) });
+    const again = element("button", { type: "button", title: say("node.reload.about"), aria: { label: `${say("node.reload")} ${shown.topic}` } }, say("node.reload"));
     again.onclick = () => this.#load();
     this.#parameters = new Parameters(gateway, shown.topic, { tell: (problem) => this.tell(problem), said: (words) => (this.footer.textContent = words) });
     this.controls.append(again);
-    this.body.append(this.#links, element("h4", {}, "Parameters"), this.#parameters.element);
+    this.body.append(this.#links, element("h4", {}, say("parameters")), this.#parameters.element);
     this.#ignore = gateway.on("graph", () => this.#writeLinks());
     this.#writeLinks();
     this.#load();
@@ -36,7 +37,7 @@ export class NodeCard extends Card {
       services: [named(services, (each) => each.nodes.includes(node)), "call"],
       actions: [named(actions, (each) => each.nodes.includes(node)), "goal"],
     };
-    this.#links.replaceChildren(...Object.entries(lists).map(([title, [names, view]]) => this.#list(title, names, view)));
+    this.#links.replaceChildren(...Object.entries(lists).map(([kind, [names, view]]) => this.#list(say(`node.${kind}`), names, view)));
   }
 
   #list(title, names, view) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
+import { count, say } from "../../shared/language.js";
 import { Parameters } from "../parameters/parameters.js";
 import { Card } from "./card.js";
 
@@ -10,7 +11,7 @@ export class ParametersCard extends Card {
   #ignore;
 
   constructor(gateway, shown, actions) {
-    super(gateway, shown, actions, { label: "parameters", title: "Parameters of all nodes" });
+    super(gateway, shown, actions, { title: say("list.parameters") });
     this.body.append(this.#tree);
     this.#ignore = gateway.on("graph", () => this.#write());
     this.#write();
@@ -29,7 +30,7 @@ export class ParametersCard extends Card {
       this.#nodes.delete(name);
     }
     for (const name of [...nodes].sort()) if (!this.#nodes.has(name) && !name.includes("/_")) this.#add(name);
-    this.footer.textContent = `${this.#nodes.size} nodes`;
+    this.footer.textContent = count("list.node", this.#nodes.size);
   }
 
   #add(name) {

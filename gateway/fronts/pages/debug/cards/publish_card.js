@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { COMMAND_TYPES } from "../../shared/command_topic.js";
 import { element } from "../../shared/dom.js";
+import { say } from "../../shared/language.js";
 import { isHeld } from "../../shared/stop_held.js";
 import { Form } from "../forms/form.js";
 import { FormCard, NOT_CONNECTED } from "./form_card.js";
 
 const RATES_HZ = [1, 2, 5, 10, 20];
-const TRIPPED = "The robot was stopped: publish a command of zero, then drive on.";
 
 /** A form that publishes to a topic: once, or again and again until it is told to stop, by STOP too, or nobody looks. */
 export class PublishCard extends FormCard {
@@ -14,27 +14,27 @@ export class PublishCard extends FormCard {
   #timer = 0;
   #count = 0;
   #refused = 0; // of these, by the gateway
-  #rates = element("select", { title: "messages per second" });
-  #repeat = element("button", { type: "button", aria: { pressed: "false" } }, "Repeat");
+  #rates = element("select", { title: say("publish.rate") });
+  #repeat = element("button", { type: "button", aria: { pressed: "false" } }, say("publish.repeat"));
   #forgets = [];
   #isCommand = false; // whether the gateway guards what moves a robot by it
 
   constructor(gateway, shown, actions) {
-    super(gateway, shown, actions, { verb: "Publish", title: `Publish ${shown.topic}`, typeOf: () => gateway.graph.typeOf(shown.topic) });
+    super(gateway, shown, actions, { kind: "publish", typeOf: () => gateway.graph.typeOf(shown.topic) });
     this.#listener = gateway.listen((frame) => this.#heard(frame));
-    this.#repeat.setAttribute("aria-label", `Repeat ${shown.topic}`);
-    this.#rates.setAttribute("aria-label", `rate of ${shown.topic}`);
+    this.#repeat.setAttribute("aria-label", `${say("publish.repeat")} ${shown.topic}`);
+    this.#rates.setAttribute("aria-label", say("topic.rate.of", { topic: shown.topic }));
     for (const hz of RATES_HZ) this.#rates.append(new Option(`${hz} Hz`, String(hz)));
     this.#repeat.onclick = () => (this.#timer ? this.#stop() : this.#start());
     this.#rates.onchange = () => this.#timer && this.#goOn();
     this.buttons.append(this.#repeat, this.#rates);
     // a message sent into a silent connection would arrive when nobody expects it
     this.#forgets = [
-      gateway.on("state", () => this.#end("The connection was lost")),
-      gateway.on("silence", () => this.#end("The gateway did not answer")),
-      gateway.on("stopping", () => this.#end("STOP was pressed")),
+      gateway.on("state", () => this.#end(say("end.connection"))),
+      gateway.on("silence", () => this.#end(say("end.silence"))),
+      gateway.on("stopping", () => this.#end(say("end.stop"))),
     ];
-    this.body.addEventListener("input", () => this.#end("The message was changed")); // half a number is not a number
+    this.body.addEventListener("input", () => this.#end(say("end.message"))); // half a number is not a number
   }
 
   formOf(described) {
@@ -46,7 +46,7 @@ export class PublishCard extends FormCard {
   }
 
   submit() {
-    if (isHeld()) throw new Error("STOP is held: release it first.");
+    if (isHeld()) throw new Error(say("stop.held"));
     this.tell("");
     const { topic, type } = this;
     const isSent = this.gateway.send({ op: "publish", id: this.#listener.id, topic, type }, { msg: this.form.json() });
@@ -57,7 +57,7 @@ export class PublishCard extends FormCard {
 
   rest() {
     super.rest();
-    this.#end(document.hidden ? "The page was hidden" : "Another tab was shown");
+    this.#end(document.hidden ? say("end.hidden") : say("end.tab"));
   }
 
   close() {
@@ -97,12 +97,12 @@ export class PublishCard extends FormCard {
   #end(why) {
     if (!this.#timer) return;
     this.#stop();
-    this.tell(`${why}: Repeat has ended.`);
+    this.tell(say("publish.ended", { why }));
   }
 
   #heard({ op, msg, level, code }) {
     if (op !== "status") return;
-    this.tell(code === "tripped" ? TRIPPED : msg);
+    this.tell(code === "tripped" ? say("publish.tripped") : msg);
     if (level !== "error") return;
     this.#refused += 1;
     this.#write();
@@ -110,7 +110,7 @@ export class PublishCard extends FormCard {
   }
 
   #write() {
-    const refused = this.#refused ? `, ${this.#refused} refused` : "";
-    this.footer.textContent = `${this.#count - this.#refused} sent${refused}`;
+    const sent = say("publish.sent", { count: this.#count - this.#refused });
+    this.footer.textContent = this.#refused ? `${sent}, ${say("refused", { count: this.#refused })}` : sent;
   }
 }

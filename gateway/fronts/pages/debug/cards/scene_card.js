@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
+import { say } from "../../shared/language.js";
 import { Card } from "./card.js";
 
 /** The world in three dimensions. Its code comes with the first such card: it is as large as the rest of the page. */
@@ -9,9 +10,9 @@ export class SceneCard extends Card {
   #isClosed = false;
 
   constructor(gateway, shown, actions) {
-    super(gateway, shown, actions, { label: "scene", title: "Scene" });
+    super(gateway, shown, actions, { title: say("scene") });
     this.element.classList.add("scene-card");
-    this.body.append(element("p", {}, "Loading the scene …"));
+    this.body.append(element("p", {}, say("scene.loading")));
     this.#load();
   }
 
@@ -47,7 +48,7 @@ export class SceneCard extends Card {
       this.body.replaceChildren(this.scene.element);
       this.scene.tick();
     } catch (error) {
-      this.tell(`The scene does not start: ${error.message}. Reload the page.`);
+      this.tell(say("scene.failed", { why: error.message }));
     }
   }
 }

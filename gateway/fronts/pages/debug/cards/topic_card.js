@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-import { Arrivals, NOTHING_YET } from "../../shared/arrivals.js";
+import { Arrivals } from "../../shared/arrivals.js";
 import { element } from "../../shared/dom.js";
 import { json } from "../../shared/json.js";
+import { say } from "../../shared/language.js";
 import { OF_SILENCE } from "../../shared/passing.js";
 import { makeView, misfit, nameOf, viewsFor } from "../../views/views.js";
+import { wordsOf } from "../arrival_words.js";
 import { Card } from "./card.js";
 import { copyButton } from "./copy_button.js";
 import { sorted } from "./large_fields.js";
@@ -26,8 +28,8 @@ export class TopicCard extends Card {
   #isDirty = false;
   #shownBeat = -1; // of the `rest` of its view
   #arrivals = new Arrivals();
-  #views = element("select", { title: "how it is shown" });
-  #types = element("select", { title: "which of its types is shown" });
+  #views = element("select", { title: say("topic.view") });
+  #types = element("select", { title: say("topic.type") });
   #isBroken = false; // the view has failed at the newest message
   #failure = ""; // the words for that
   #notCopied = ""; // likewise of a copy that has failed
@@ -44,7 +46,7 @@ export class TopicCard extends Card {
     addEventListener("themechange", repaint);
     this.#forgets.push(() => removeEventListener("themechange", repaint));
     this.controls.append(...this.#controls());
-    this.footer.textContent = this.#arrivals.words;
+    this.footer.textContent = wordsOf(this.#arrivals);
     this.#start();
   }
 
@@ -158,17 +160,17 @@ export class TopicCard extends Card {
 
   get #words() {
     if (misfit(this.view, this.#type)) return "";
-    if (this.#isPaused) return ["paused", this.#view.held].filter(Boolean).join(": ");
-    if (this.#arrivals.messages) return this.#arrivals.words + (this.#arrivals.hasRate ? this.#cap : "");
-    return this.problem.hidden ? NOTHING_YET + this.#reason : ""; // the problem may be the reason
+    if (this.#isPaused) return [say("topic.paused"), this.#view.held].filter(Boolean).join(": ");
+    if (this.#arrivals.messages) return wordsOf(this.#arrivals) + (this.#arrivals.hasRate ? this.#cap : "");
+    return this.problem.hidden ? [say("arrivals.none"), this.#reason].filter(Boolean).join(": ") : ""; // the problem may be the reason
   }
 
   /** Why nothing has come yet, in words: who would have to send something. */
   get #reason() {
     if (!this.gateway.graph.topics.has(this.topic)) return "";
     const publishers = this.#publishers;
-    if (!publishers.length) return ": no node publishes it";
-    return `: ${names(publishers)} ${new Set(publishers).size === 1 ? "has" : "have"} sent nothing since this card was opened`;
+    if (!publishers.length) return say("list.unpublished");
+    return say("topic.silent", { names: names(publishers) });
   }
 
   /** Take the type, once the topic has one. The view may not fit it. */
@@ -191,7 +193,7 @@ export class TopicCard extends Card {
       action();
     } catch (error) {
       this.#isBroken = true;
-      this.#failure = `The view ${nameOf(this.view)} cannot show this ${this.#type.split("/").at(-1) || "message"}: ${error.message}. Choose another view.`;
+      this.#failure = say("topic.unshown", { view: nameOf(this.view), type: this.#type.split("/").at(-1) || say("topic.message"), why: error.message });
       this.tell(this.#failure);
     }
   }
@@ -199,27 +201,26 @@ export class TopicCard extends Card {
   /** The most messages per second that this page asks of the topic, in words. The view also limits them. */
   get #cap() {
     const throttle = this.gateway.throttleOf(this.topic);
-    return throttle ? ` · limited to ${Math.round(10_000 / throttle) / 10} Hz by this page` : "";
+    return throttle ? ` · ${say("topic.limited", { hz: Math.round(10_000 / throttle) / 10 })}` : "";
   }
 
   #controls() {
-    this.#views.setAttribute("aria-label", `view of ${this.topic}`);
+    this.#views.setAttribute("aria-label", say("topic.view.of", { topic: this.topic }));
     this.#views.onchange = () => this.#restart({ view: this.#views.value, settings: {} });
     this.#offer();
-    const rates = element("select", { title: "at most this many messages per second", aria: { label: `rate of ${this.topic}` } });
-    for (const hz of RATES_HZ) rates.append(new Option(hz ? `${hz} Hz` : "all", String(hz), false, hz === this.rate));
+    const rates = element("select", { title: say("topic.rate"), aria: { label: say("topic.rate.of", { topic: this.topic }) } });
+    for (const hz of RATES_HZ) rates.append(new Option(hz ? `${hz} Hz` : say("topic.rate.all"), String(hz), false, hz === this.rate));
     rates.onchange = () => this.#restart({ rate: Number(rates.value) });
-    const pause = element("button", { type: "button", aria: { label: `Pause ${this.topic}` } }, "Pause");
+    const pause = element("button", { type: "button", aria: { label: `${say("topic.pause")} ${this.topic}` } }, say("topic.pause"));
     pause.onclick = () => {
       this.#isPaused = !this.#isPaused;
       this.#view.hold?.(this.#isPaused);
-      pause.textContent = this.#isPaused ? "Resume" : "Pause";
+      pause.textContent = this.#isPaused ? say("topic.resume") : say("topic.pause");
       pause.setAttribute("aria-label", `${pause.textContent} ${this.topic}`);
       this.#write();
     };
-    const title = "copy the message that is shown as JSON";
-    const copy = copyButton({ label: `Copy ${this.topic}`, title }, () => this.#copied(), (problem) => this.#sayNotCopied(problem));
-    this.#types.setAttribute("aria-label", `type of ${this.topic}`);
+    const copy = copyButton({ label: `${say("copy")} ${this.topic}`, title: say("topic.copy") }, () => this.#copied(), (problem) => this.#sayNotCopied(problem));
+    this.#types.setAttribute("aria-label", say("topic.type.of", { topic: this.topic }));
     this.#types.onchange = () => this.#choose(this.#types.value);
     this.#offerTypes();
     return [this.#views, rates, pause, copy, this.#types];
@@ -234,14 +235,14 @@ export class TopicCard extends Card {
   /** Return what is copied: paused, what one sees. */
   #copied() {
     const copied = (this.#isPaused && this.#visible) || this.#newest;
-    if (!copied) throw new Error("no message has arrived yet");
+    if (!copied) throw new Error(say("arrivals.none"));
     return json(copied.message, 2);
   }
 
   /** Offer the types of a topic that has several: the gateway sends none of them before one is chosen. */
   #offerTypes() {
     const types = [...new Set([this.chosenType, ...(this.gateway.graph.topics.get(this.topic)?.types ?? [])])];
-    const options = types.map((each) => new Option(each || "choose a type", each, false, each === this.chosenType));
+    const options = types.map((each) => new Option(each || say("topic.type.choose"), each, false, each === this.chosenType));
     this.#types.hidden = types.filter(Boolean).length < 2;
     const offered = [...this.#types.options].map(({ value }) => value);
     if (String(types) !== String(offered)) this.#types.replaceChildren(...options); // only then: a list that is open would close
@@ -256,7 +257,7 @@ export class TopicCard extends Card {
 
   #sayNotCopied(problem) {
     this.untell(this.#notCopied);
-    this.#notCopied = problem && `not copied: ${problem}`;
+    this.#notCopied = problem && say("topic.uncopied", { problem });
     if (problem) this.tell(this.#notCopied);
   }
 
@@ -322,6 +323,7 @@ export class TopicCard extends Card {
 
 /** Return the names of nodes in words: a few of them. */
 function names(nodes) {
-  const shown = [...new Set(nodes)];
-  return shown.length > MOST_NAMES ? `${shown.slice(0, MOST_NAMES).join(", ")} and ${shown.length - MOST_NAMES} more` : shown.join(", ");
+  const all = [...new Set(nodes)];
+  const shown = all.slice(0, MOST_NAMES).join(", ");
+  return all.length > MOST_NAMES ? say("topic.more", { names: shown, count: all.length - MOST_NAMES }) : shown;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the JSON Schema of a message to the fields of a form, and from what is typed to JSON. Nothing here knows a document.
+// From the JSON Schema of a message to the fields of a form, and from what is typed to JSON.
 
 import { json } from "../../shared/json.js";
+import { say } from "../../shared/language.js";
 
 /**
  * A field of a form.
@@ -83,35 +84,35 @@ const decimal = (text) => (/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(text) ? 
 const READERS = {
   integer: (field, text) => {
     const named = String(Object.hasOwn(field.constants ?? {}, text) ? field.constants[text] : text);
-    if (!/^[+-]?\d+$/.test(named)) throw new Error(`expected a whole number, not ${shortened(text)}`);
+    if (!/^[+-]?\d+$/.test(named)) throw new Error(say("field.integer", { text: shortened(text) }));
     const value = BigInt(named);
     if (field.least !== undefined && (value < BigInt(field.least) || value > BigInt(field.most))) {
-      throw new Error(`expected ${field.least} to ${field.most}`);
+      throw new Error(say("field.range", { least: field.least, most: field.most }));
     }
     return String(value); // as text: a number of JavaScript has 53 bits
   },
   number: (field, text) => {
     if (OUTSIDE.includes(text)) return JSON.stringify(text);
     const value = decimal(text);
-    if (!Number.isFinite(value)) throw new Error(`expected a number, NaN, Infinity or -Infinity, not ${shortened(text)}`);
-    if (field.most !== undefined && !(value > field.least && value < field.most)) throw new Error("too large for a float32");
+    if (!Number.isFinite(value)) throw new Error(say("field.number", { text: shortened(text) }));
+    if (field.most !== undefined && !(value > field.least && value < field.most)) throw new Error(say("field.large"));
     return JSON.stringify(value);
   },
   boolean: (_, text) => {
-    if (text !== "true" && text !== "false") throw new Error(`expected true or false, not ${shortened(text)}`);
+    if (text !== "true" && text !== "false") throw new Error(say("field.boolean", { text: shortened(text) }));
     return text;
   },
   time: (_, text) => {
     if (text === "now") return '"now"';
     const [, sign, whole, part] = SECONDS.exec(text) ?? [];
-    if (!whole && !part) throw new Error(`expected now, or seconds, not ${shortened(text)}`);
+    if (!whole && !part) throw new Error(say("field.time", { text: shortened(text) }));
     const [sec, nanosec] = [Number(whole), Number(part.padEnd(9, "0").slice(0, 9))];
     if (sign !== "-") return JSON.stringify({ sec, nanosec });
     return JSON.stringify(nanosec ? { sec: -sec - 1, nanosec: 1e9 - nanosec } : { sec: 0 - sec, nanosec });
   },
   octets: (_, text) => {
     if (/^[\d\s,]+$/.test(text)) return rowOf({ item: { kind: "integer", least: 0, most: 255 } }, text.split(/[\s,]+/));
-    if (!/^[A-Za-z0-9+/]+={0,2}$/.test(text)) throw new Error("expected numbers from 0 to 255, or base64");
+    if (!/^[A-Za-z0-9+/]+={0,2}$/.test(text)) throw new Error(say("field.octets"));
     return JSON.stringify(text);
   },
   row: (field, text) => rowOf(field, field.item.kind === "text" ? text.split("\n") : text.split(/[\s,]+/)),
@@ -119,13 +120,13 @@ const READERS = {
 
 function rowOf(field, texts) {
   const items = texts.filter((each) => each !== "");
-  if (items.length < field.least || items.length > field.most) throw new Error(`expected ${counted(field)}, not ${items.length}`);
+  if (items.length < field.least || items.length > field.most) throw new Error(say("field.count", { expected: counted(field), count: items.length }));
   return `[${items.map((each) => jsonOf(field.item, each)).join(",")}]`;
 }
 
 /** @param {Field} field */
 function textOf({ most }, text) {
-  if (most !== undefined && [...text].length > most) throw new Error(`at most ${most} characters`);
+  if (most !== undefined && [...text].length > most) throw new Error(say("field.characters", { most }));
   return JSON.stringify(text);
 }
 
@@ -136,21 +137,21 @@ export function size({ kind, fields }) {
 
 /** Return in words how many items a list has. */
 export function counted({ least, most }) {
-  if (most === undefined) return "any number of values";
-  return least === most ? `${most} values` : `at most ${most} values`;
+  if (most === undefined) return say("field.values.any");
+  return least === most ? say("field.values", { count: most }) : say("field.values.most", { most });
 }
 
 /** Return in words what a field takes. */
 export function expected(field) {
   const { kind, least, most, fallback } = field;
-  const otherwise = fallback === undefined || kind === "boolean" ? "" : `; else ${json(fallback)}`;
+  const otherwise = (takes) => (fallback === undefined ? takes : say("field.else", { takes, value: json(fallback) }));
   switch (kind) {
-    case "integer": return `${least === undefined ? "whole number" : `${least} to ${most}`}${otherwise}`;
-    case "number": return `number${otherwise}`;
-    case "text": return `text${most === undefined ? "" : `, at most ${most} characters`}${otherwise}`;
-    case "time": return "now, or seconds";
-    case "octets": return "numbers from 0 to 255, or base64";
-    case "row": return `${counted(field)}, ${field.item.kind === "text" ? "a line each" : "with commas between"}`;
+    case "integer": return otherwise(least === undefined ? say("field.takes.integer") : say("range", { least, most }));
+    case "number": return otherwise(say("field.takes.number"));
+    case "text": return otherwise(most === undefined ? say("field.takes.text") : say("field.takes.short", { most }));
+    case "time": return say("field.takes.time");
+    case "octets": return say("field.takes.octets");
+    case "row": return field.item.kind === "text" ? say("field.takes.lines", { values: counted(field) }) : say("field.takes.commas", { values: counted(field) });
     default: return "";
   }
 }

@@ -2,6 +2,7 @@
 // The way back: from a message to what would be typed into the fields of its form.
 
 import { json, parse } from "../../shared/json.js";
+import { say } from "../../shared/language.js";
 import { jsonOf } from "./fields.js";
 
 /** @typedef {import("./fields.js").Field} Field */
@@ -41,21 +42,21 @@ export function checkFit(field, value, path = "") {
 
 /** @param {Field} field */
 function checkGroup({ fields }, value, path) {
-  if (!isObject(value)) throw misfit(path || "it", `expected an object, not ${shown(value)}`);
+  if (!isObject(value)) throw misfit(path || say("json.it"), say("json.object", { value: shown(value) }));
   for (const [name, its] of Object.entries(value)) {
     const inside = path ? `${path}.${name}` : name;
     const field = fields.find((each) => each.name === name);
-    if (!field) throw misfit(inside, "this field is unknown");
+    if (!field) throw misfit(inside, say("json.unknown"));
     checkFit(field, its, inside);
   }
 }
 
 /** @param {Field} field */
 function checkList({ item, least = 0, most = Infinity }, value, path) {
-  if (!Array.isArray(value)) throw misfit(path, `expected a list, not ${shown(value)}`);
+  if (!Array.isArray(value)) throw misfit(path, say("json.list", { value: shown(value) }));
   const room = Math.min(most, MOST_ITEMS);
-  if (value.length > room) throw misfit(path, `the fields take at most ${room} items, not ${value.length}`);
-  if (value.length < Math.min(least, MOST_ITEMS)) throw misfit(path, `the fields have ${least} items, not ${value.length}`);
+  if (value.length > room) throw misfit(path, say("json.many", { most: room, count: value.length }));
+  if (value.length < Math.min(least, MOST_ITEMS)) throw misfit(path, say("json.few", { least, count: value.length }));
   for (const [index, each] of value.entries()) checkFit(item, each, `${path}.${index}`);
 }
 
@@ -68,7 +69,7 @@ function checkValue(field, value, path) {
     throw misfit(path, error.message);
   }
   const isSame = back === undefined ? isDefault(field, value) : json(whole(field, parse(back))) === json(whole(field, value));
-  if (!isSame || OTHER_LINES[field.kind === "row" ? "row" : "value"].test(typed)) throw misfit(path, `the fields cannot hold ${shown(value)}`);
+  if (!isSame || OTHER_LINES[field.kind === "row" ? "row" : "value"].test(typed)) throw misfit(path, say("json.lost", { value: shown(value) }));
 }
 
 /** Return a time with both of its parts, in this order. Anything else as it is. */
@@ -80,7 +81,7 @@ function isDefault({ fallback }, value) {
 }
 
 const isObject = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
-const misfit = (path, words) => new Error(`it stays JSON, because ${path} does not fit: ${words}`);
+const misfit = (path, why) => new Error(say("json.stays", { path, why }));
 
 function shown(value) {
   const text = json(value);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
 import { json, parse } from "../../shared/json.js";
+import { say } from "../../shared/language.js";
 import { counted, expected, fieldOf, jsonOf, size } from "./fields.js";
 import { checkFit, MOST_ITEMS, written } from "./filling.js";
 import { valueOf } from "./typed.js";
@@ -55,7 +56,7 @@ export class Form {
       this.element.replaceChildren(this.#group.content);
       return;
     }
-    this.#text = element("textarea", { value: json(message, 2), rows: 10, spellcheck: false, aria: { label: "message as JSON" } });
+    this.#text = element("textarea", { value: json(message, 2), rows: 10, spellcheck: false, aria: { label: say("form.json.message") } });
     this.element.replaceChildren(this.#text);
   }
 }
@@ -84,7 +85,7 @@ class Group {
     if (this.#controls) return;
     this.#controls = this.#field.fields.map((each) => controlOf(each, this.#path));
     this.content.append(...this.#controls.map((each) => each.element));
-    if (!this.#controls.length) this.content.append(element("p", { className: "quiet" }, "It has no fields."));
+    if (!this.#controls.length) this.content.append(element("p", { className: "quiet" }, say("field.none")));
   }
 
   json() {
@@ -110,7 +111,7 @@ class List {
   #path;
   #items = [];
   #list = element("div", { className: "group" });
-  #add = element("button", { type: "button" }, "Add");
+  #add = element("button", { type: "button" }, say("field.add"));
 
   constructor(field, path) {
     this.#field = field;
@@ -143,7 +144,7 @@ class List {
 
   #append() {
     const item = new Group({ ...this.#field.item, name: `${this.#items.length}` }, this.#path);
-    const remove = element("button", { type: "button", aria: { label: `remove ${this.name} ${this.#items.length}` } }, "✕");
+    const remove = element("button", { type: "button", aria: { label: say("field.remove", { name: this.name, index: this.#items.length }) } }, "✕");
     remove.onclick = () => {
       this.#remove(item);
       this.#change();
@@ -224,7 +225,7 @@ let lists = 0;
 function inputOf(field) {
   if (field.kind === "boolean") {
     const choice = element("select");
-    for (const each of ["", "true", "false"]) choice.append(new Option(each || `default (${field.fallback ?? false})`, each));
+    for (const each of ["", "true", "false"]) choice.append(new Option(each || say("field.default", { value: field.fallback ?? false }), each));
     return choice;
   }
   if (field.kind === "row" && field.item.kind === "text") return element("textarea", { rows: 2, placeholder: expected(field) });

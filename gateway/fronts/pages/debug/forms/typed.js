@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { parse } from "../../shared/json.js";
+import { say } from "../../shared/language.js";
 
 /**
  * Return the value of JSON that a person has typed.
@@ -11,10 +12,10 @@ export function valueOf(text) {
   try {
     value = parse(text);
   } catch (error) {
-    throw new Error(`this is not JSON: ${error.message}`, { cause: error });
+    throw new Error(say("json.invalid", { message: error.message }), { cause: error });
   }
   const path = endless(value);
-  if (path) throw new Error(`${path.slice(1).join(".") || "it"}: this number is larger than any float64`);
+  if (path) throw new Error(say("json.infinite", { path: path.slice(1).join(".") || say("json.it") }));
   return value;
 }
 

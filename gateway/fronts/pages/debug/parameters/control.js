@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
 import { json } from "../../shared/json.js";
+import { say } from "../../shared/language.js";
 import { valueOf } from "../forms/typed.js";
 import { choicesOf } from "./choices.js";
 
@@ -25,7 +26,7 @@ export class Control {
   #input;
   #slider = null;
   #problem = element("small", { className: "problem", role: "alert" });
-  #undo = element("button", { type: "button", hidden: true, title: "set the value that it had when this card was opened" }, "↺");
+  #undo = element("button", { type: "button", hidden: true, title: say("parameters.undo") }, "↺");
 
   /**
    * @param {string} name
@@ -45,9 +46,9 @@ export class Control {
     this.#input = this.#inputOf(value, choicesOf(constraints), isFixed);
     this.#input.setAttribute("aria-label", name);
     this.#input.onchange = () => this.#change(this.#text);
-    this.#undo.setAttribute("aria-label", `undo ${name}`);
+    this.#undo.setAttribute("aria-label", say("parameters.undo.of", { name }));
     this.#undo.onclick = () => this.#change(this.#first);
-    const words = [type, range ? `${range.from} to ${range.to}` : "", constraints, isFixed ? "read-only" : ""].filter(Boolean).join(", ");
+    const words = [type, range ? say("range", { least: range.from, most: range.to }) : "", constraints, isFixed ? say("parameters.fixed") : ""].filter(Boolean).join(", ");
     const label = element("label", { className: "value" }, element("span", { title: [name, description].filter(Boolean).join(": ") }, title, element("small", {}, ` ${words}`)), this.#input, this.#problem);
     this.element = element("div", { className: "parameter" }, label, this.#undo);
     if (range && !isFixed) this.#slide(range);
@@ -89,7 +90,7 @@ export class Control {
     if (!(max > min) || !Number.isFinite(max - min)) return;
     const isWhole = this.#type === "integer";
     const least = (max - min) / MOST_STEPS;
-    this.#slider = element("input", { type: "range", min, max, step: each > least ? each : isWhole ? Math.max(1, Math.round(least)) : "any", aria: { label: `${this.#name} as a slider` } });
+    this.#slider = element("input", { type: "range", min, max, step: each > least ? each : isWhole ? Math.max(1, Math.round(least)) : "any", aria: { label: say("parameters.slider", { name: this.#name }) } });
     this.#slider.oninput = () => (this.#input.value = this.#slider.value);
     this.#slider.onchange = () => this.#change(this.#text);
     this.element.append(this.#slider);
@@ -106,7 +107,7 @@ export class Control {
     try {
       valueOf(text);
     } catch (error) {
-      this.tell(error.cause ? "expected a JSON value, such as true, 0.5 or [1, 2]" : error.message);
+      this.tell(error.cause ? say("parameters.json") : error.message);
       return;
     }
     const problem = await this.#set(this.#name, text);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
 import { json, parse } from "../../shared/json.js";
+import { count, say } from "../../shared/language.js";
 import { Control, TAKEN } from "./control.js";
 import { read, written } from "./yaml.js";
 
@@ -30,15 +31,15 @@ export class Parameters {
     this.#node = node;
     this.#tell = tell;
     this.#said = said;
-    this.#filter = element("input", { type: "search", placeholder: "filter", autocomplete: "off", aria: { label: `filter of ${node}` }, oninput: () => this.#show() });
-    this.#changed = element("button", { type: "button", title: "only what was changed since this card was opened", aria: { pressed: "false", label: `changed of ${node}` } }, "Changed");
+    this.#filter = element("input", { type: "search", placeholder: say("parameters.filter"), autocomplete: "off", aria: { label: say("parameters.filter.of", { node }) }, oninput: () => this.#show() });
+    this.#changed = element("button", { type: "button", title: say("parameters.changed.about"), aria: { pressed: "false", label: say("parameters.changed.of", { node }) } }, say("parameters.changed"));
     this.#changed.onclick = () => {
       this.#changed.setAttribute("aria-pressed", String(this.#changed.ariaPressed !== "true"));
       this.#show();
     };
-    const save = button("Save", `save the parameters of ${node} as YAML`, () => this.#save());
-    const load = button("Load", `load parameters of ${node} from YAML`, () => this.#file.click());
-    this.#file = element("input", { type: "file", accept: ".yaml,.yml", hidden: true, aria: { label: `file of ${node}` } });
+    const save = button(say("parameters.save"), say("parameters.save.of", { node }), () => this.#save());
+    const load = button(say("parameters.load"), say("parameters.load.of", { node }), () => this.#file.click());
+    this.#file = element("input", { type: "file", accept: ".yaml,.yml", hidden: true, aria: { label: say("parameters.file.of", { node }) } });
     this.#file.onchange = () => this.#load();
     this.#tree.addEventListener(TAKEN, () => this.#show());
     this.element.append(element("div", { className: "tools" }, this.#filter, this.#changed, save, load, this.#file), this.#tree);
@@ -56,7 +57,7 @@ export class Parameters {
       const names = Object.keys(values).sort();
       this.#controls = new Map();
       this.#tree.replaceChildren(...this.#branch(names, 0, values, parameters));
-      this.#said(names.length ? `${names.length} parameters` : "it has no parameters");
+      this.#said(names.length ? count("parameters.count", names.length) : say("parameters.none"));
       this.#show();
     } catch (error) {
       this.#tell(error.message);
@@ -87,7 +88,7 @@ export class Parameters {
   /** Set a parameter to a JSON text, and return why the node refuses it. */
   async #set(name, text) {
     const [problem] = await this.#setAll([[name, text]]);
-    if (!problem) this.#said(`${name} is set`);
+    if (!problem) this.#said(say("parameters.set", { name }));
     return problem;
   }
 
@@ -96,7 +97,7 @@ export class Parameters {
     const members = values.map(([name, text]) => `${JSON.stringify(name)}:${text}`);
     try {
       const { results } = await this.#gateway.ask({ op: "set_parameters", node: this.#node }, { values: `{${members.join(",")}}` });
-      return values.map(([name]) => (results[name].successful ? "" : results[name].reason || "the node refuses it"));
+      return values.map(([name]) => (results[name].successful ? "" : results[name].reason || say("parameters.refused")));
     } catch (error) {
       return values.map(() => error.message);
     }
@@ -112,7 +113,7 @@ export class Parameters {
       if (wanted || onlyChanged) group.open = true;
     }
     const changed = [...this.#controls.values()].filter(({ isChanged }) => isChanged).length;
-    this.#changed.textContent = changed ? `Changed (${changed})` : "Changed";
+    this.#changed.textContent = say("parameters.changed") + (changed ? ` (${changed})` : "");
   }
 
   #save() {
@@ -138,8 +139,11 @@ export class Parameters {
       this.#show();
       const refused = problems.filter(Boolean).length;
       const unknown = found.size - known.length;
-      this.#said([`${others.length - refused} set`, `${known.length - others.length} as they were`, refused && `${refused} refused`, unknown && `${unknown} unknown to the node`].filter(Boolean).join(", "));
-      this.#tell(found.size ? "" : `${file.name} has no parameters of ${this.#node}: choose another file.`);
+      this.#said([
+        say("parameters.sum.set", { count: others.length - refused }), say("parameters.sum.same", { count: known.length - others.length }),
+        refused && say("refused", { count: refused }), unknown && say("parameters.sum.unknown", { count: unknown }),
+      ].filter(Boolean).join(", "));
+      this.#tell(found.size ? "" : say("parameters.empty", { file: file.name, node: this.#node }));
     } catch (error) {
       this.#tell(`${file.name}: ${error.message}`);
     }

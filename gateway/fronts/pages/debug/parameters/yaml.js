@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files of parameters, as `ros2 param dump` and `ros2 param load` have them: the part of YAML that ROS reads.
 
+import { say } from "../../shared/language.js";
+
 const PLAIN = /^[A-Za-z_][A-Za-z0-9_./-]*$/; // a text that needs no quotes
 const BOOLEANS = { true: "true", True: "true", TRUE: "true", yes: "true", on: "true", false: "false", False: "false", FALSE: "false", no: "false", off: "false" };
 const NUMBER = /^[-+]?(\d+|\d+\.\d*|\.\d+)([eE][-+]?\d+)?$/;
 const NON_FINITE = { ".nan": '"NaN"', ".inf": '"Infinity"', "+.inf": '"Infinity"', "-.inf": '"-Infinity"' };
 const KEY = /^("(?:[^"\\]|\\.)*"|'(?:[^']|'')*'|[^\s#'"[{&*!|>%@`-][^#]*?|\/[^#]*?)\s*:(?:\s+(.*))?$/;
+const COMMENT = /("(?:[^"\\]|\\.)*"|'(?:[^']|'')*')|(^|\s)#.*$/g; // or a text in quotes
 const PARAMETERS = "ros__parameters";
 const MOST_CHARACTERS = 1_000_000;
 
@@ -45,7 +48,7 @@ function scalar(type, value) {
  * @throws {Error} in words, with the line
  */
 export function read(text, node) {
-  if (text.length > MOST_CHARACTERS) throw new Error(`the file has ${text.length} characters, at most ${MOST_CHARACTERS}: choose a file of parameters`);
+  if (text.length > MOST_CHARACTERS) throw new Error(say("yaml.large", { count: text.length, most: MOST_CHARACTERS }));
   const found = new Map();
   const collect = (group, names) => {
     for (const [key, value] of group) {
@@ -79,19 +82,19 @@ class Reader {
   constructor(text) {
     this.#lines = text.split(/\r?\n/).map((line, index) => ({ number: index + 1, indent: line.search(/\S|$/), text: uncommented(line).trim() })).filter((each) => each.text && each.text !== "---" && each.text !== "...");
     const tab = text.split("\n").findIndex((line) => /^ *\t/.test(line));
-    if (tab >= 0) throw new Error(`line ${tab + 1} begins with a tab: use spaces`);
+    if (tab >= 0) throw new Error(say("yaml.tab", { line: tab + 1 }));
   }
 
   read() {
     const group = this.#group(this.#lines[0]?.indent ?? 0);
-    if (this.#at < this.#lines.length) this.#refuse("its indentation fits no line above");
+    if (this.#at < this.#lines.length) this.#refuse(say("yaml.indentation"));
     return group;
   }
 
   #group(indent) {
     const group = new Map();
     while (this.#at < this.#lines.length && this.#lines[this.#at].indent === indent) {
-      const [, quoted, rest = ""] = KEY.exec(this.#lines[this.#at].text) ?? this.#refuse("it has no name before a colon");
+      const [, quoted, rest = ""] = KEY.exec(this.#lines[this.#at].text) ?? this.#refuse(say("yaml.name"));
       const key = plain(quoted);
       if (rest) {
         group.set(key, this.#value(rest));
@@ -116,23 +119,23 @@ class Reader {
 
   #value(text) {
     if (text === "{}") return new Map();
-    if (/^[&*!|>{%@`]/.test(text)) this.#refuse(`ROS reads no value that begins with ${text[0]}`);
+    if (/^[&*!|>{%@`]/.test(text)) this.#refuse(say("yaml.value", { sign: text[0] }));
     if (!text.startsWith("[")) return valueOf(text);
     let whole = text; // a list may go on in the lines below
     while (!whole.endsWith("]") && this.#at + 1 < this.#lines.length) whole += ` ${this.#lines[(this.#at += 1)].text}`;
-    if (!whole.endsWith("]")) this.#refuse("its list has no end");
+    if (!whole.endsWith("]")) this.#refuse(say("yaml.list"));
     const items = whole.slice(1, -1).match(/"(?:[^"\\]|\\.)*"|'(?:[^']|'')*'|[^,\s][^,]*/g) ?? [];
     return `[${items.map((each) => valueOf(each.trim())).join(",")}]`;
   }
 
   /** @returns {never} */
   #refuse(why) {
-    throw new Error(`line ${this.#lines[this.#at].number} cannot be read: ${why}`);
+    throw new Error(say("yaml.line", { line: this.#lines[this.#at].number, why }));
   }
 }
 
 /** Return a line without its comment. */
-const uncommented = (line) => line.replace(/("(?:[^"\\]|\\.)*"|'(?:[^']|'')*')|(^|\s)#.*$/g, (all, quoted) => quoted ?? "");
+const uncommented = (line) => line.replace(COMMENT, (all, quoted) => quoted ?? "");
 
 /** Return a text without its quotes. */
 function plain(text) {
