@@ -12,9 +12,10 @@ pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 LARGE = {"width": 1440, "height": 900}
 LANDSCAPE = {"width": 844, "height": 390}
+TABLET = {"width": 768, "height": 1024}
 SCREENS = pytest.mark.parametrize(
     "screen",
-    [LARGE, DESK, PHONE, LANDSCAPE],
+    [LARGE, DESK, TABLET, PHONE, LANDSCAPE],
     ids=lambda screen: f"{screen['width']}x{screen['height']}",
 )
 PLACE = """(id) => {
@@ -36,7 +37,7 @@ SPEAK = """async (words) => {
 
 
 def drive_on(open_page, demo, screen, **options):
-    if screen in (PHONE, LANDSCAPE):
+    if screen in (TABLET, PHONE, LANDSCAPE):
         options |= {"has_touch": True, "is_mobile": True}
     return open_page(f"{page_address(demo)}drive", screen, **options)
 
@@ -52,6 +53,15 @@ async def test_camera_stick_sliders_and_stop_are_seen_together(demo, open_page, 
         left, top, right, bottom = await page.evaluate(PLACE, "camera")
         assert right - left >= 300
         assert bottom - top >= 250
+
+
+async def test_the_camera_is_as_wide_as_an_upright_tablet(demo, open_page):
+    async with drive_on(open_page, demo, TABLET) as page:
+        await until_painted(page, "#camera canvas")
+        left, top, right, bottom = await page.evaluate(PLACE, "camera")
+        assert right - left > 700
+        assert bottom - top > 0.7 * (right - left)  # as its pictures, so there are no margins
+        assert (await page.evaluate(PLACE, "world"))[3] <= TABLET["height"]
 
 
 @SCREENS

@@ -46,8 +46,10 @@ STAGE = """
     const knows = (topic, type) => gateway.graph.topics.set(
         topic, { name: topic, types: [type], publishers: ["/n"], subscribers: [] });
     const say = (topic, message) => heard.get(topic)?.(message);
-    const begin = (...kept) => {
-        const scene = new SceneView(gateway, kept, () => {}, { fill() {}, onFull: () => () => {} });
+    const card = { fill() {}, onFull: () => () => {} };
+    const begin = (...kept) => place(card, kept);
+    const place = (card, kept) => {
+        const scene = new SceneView(gateway, kept, () => {}, card);
         document.body.append(scene.element);
         say("/tf", { transforms: [
             { header: { frame_id: "map" }, child_frame_id: "base_link", transform: identity },
@@ -435,6 +437,31 @@ async def test_frames_follow_their_transforms_in_any_fixed_frame(served, open_pa
         """)  # fmt: skip
     assert found["first"] == ["map", [[0, 0, 0], [2, 2, 0], [1, 2, 0], None]]
     assert found["second"] == [[-2, 2, 0], [0, 0, 0], [0, 1, 0], None]
+
+
+@pytest.mark.parametrize(("card", "expected"), [("card", [-2, -1]), ("null", [1, -0.5])])
+async def test_the_view_follows_a_robot_and_that_of_a_driver_turns_with_it(
+    served, open_page, card, expected
+):
+    async with open_page(page_address(served) + "#cards=none") as page:
+        found = await stage(page, f"""
+            const scene = place({card}, ["follow"]);
+            let seen;
+            scene.renderer.render = (world, {{ position }}) => {{ seen = position.clone(); }};
+            const turned = {{ x: 0, y: 0, z: Math.SQRT1_2, w: Math.SQRT1_2 }};
+            const drawn = (x, y, rotation = identity.rotation) => {{
+                const transform = {{ translation: {{ x, y, z: 0 }}, rotation }};
+                const from = {{ header: {{ frame_id: "map" }}, child_frame_id: "base_link" }};
+                say("/tf", {{ transforms: [{{ ...from, transform }}] }});
+                scene.draw();
+            }};
+            drawn(1, 2);
+            drawn(1, 2, turned); // to the left
+            const left = [seen.x, seen.y];
+            scene.close();
+            return left.map((n) => Math.round(n * 1e3) / 1e3);
+        """)  # fmt: skip
+    assert found == expected
 
 
 async def test_meshes_of_stl_collada_and_obj_are_read(served, open_page):

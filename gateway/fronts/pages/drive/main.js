@@ -19,6 +19,7 @@ import { Gamepads } from "./gamepad.js";
 import { Footprint, Trail } from "./overlays.js";
 import { Place } from "./place.js";
 import { Readout } from "./readout.js";
+import { Scenery } from "./scenery.js";
 
 const TICK_MS = 200;
 // After how long these are old. A map arrives now and then, its place once per second.
@@ -30,6 +31,7 @@ const STOPPED_MS = 250;
 const gateway = new Gateway({ say });
 const camera = new Place(find("camera"), gateway);
 const world = new Place(find("world"), gateway, LATE_MS);
+const scenery = new Scenery(gateway, find("scene"), find("choose-scene"), LATE_MS);
 const motion = new Motion();
 const readout = new Readout(gateway, find("readout"));
 const trail = new Trail();
@@ -44,7 +46,7 @@ gateway.on("state", ({ state }) => {
 });
 const command = new CommandTopic(gateway, told, namedCommand());
 
-bar.connect(gateway, "drive", { keys: [["← ↑ ↓ →", say("keys.drive")], ["Space", say("keys.stop")]] });
+bar.connect(gateway, "drive", { keys: [["← ↑ ↓ →", say("keys.drive")], ["Space", say("keys.stop")], ["Q E", say("keys.turn")], ["+ -", say("keys.zoom")]] });
 tellWrong(gateway, bar.tell, "scan", "odometry");
 gateway.on("status", ({ code, request }) => code === "forbidden" && request === "publish" && command.forbid()); // roles may be of any name
 const driver = new Driver((shares) => {
@@ -70,6 +72,7 @@ function draw() {
   requestAnimationFrame(draw); // first: whatever fails here, the next frame comes
   camera.draw();
   world.draw();
+  scenery.draw();
 }
 
 /** Write what changes with time. */
@@ -77,7 +80,9 @@ function tick() {
   const of = (topic) => gateway.arrivals.get(topic);
   camera.write({ camera: camera.arrivals }, isConnected);
   readout.write();
-  world.write({ odometry: of(heard.odometry), scan: of(heard.scan), map: of(heard.map), place: world.view?.place }, isConnected);
+  const sources = { odometry: of(heard.odometry), scan: of(heard.scan), map: of(heard.map), place: world.view?.place ?? of("/tf") };
+  world.write(sources, isConnected);
+  scenery.write(sources, isConnected);
   const words = (command.isDriving && motion.words) || command.words;
   if (find("control").textContent !== words) find("control").textContent = words; // it is read out
 }

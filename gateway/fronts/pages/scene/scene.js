@@ -17,6 +17,7 @@ import { View3d } from "./view3d.js";
 
 const TOOLS = [...POSE_TOOLS, "measure", "pick"];
 const FLOOR_M = 20;
+const WIDE_PX = 640; // a narrower one would be half covered by its list
 const BASES = ["base_footprint", "base_link"];
 const FLAT = { x: 0, y: 0, z: 0 };
 
@@ -30,10 +31,11 @@ export class SceneView {
   #gateway;
   #changed;
   #kept;
-  #canvas = element("canvas", { tabIndex: 0, role: "application", aria: { label: say("scene.label") } });
+  #canvas = element("canvas");
   #fixed = element("select", { title: say("scene.fixed.about"), aria: { label: say("scene.fixed") } });
   #follow = element("button", { type: "button", title: say("follow.about") }, say("follow"));
   #top = element("button", { type: "button", title: say("scene.top.about") }, say("scene.top"));
+  #list = element("button", { type: "button", title: say("layers.about"), aria: { expanded: "true" } }, say("layers"));
   #missing = element("p", { className: "missing", role: "status", hidden: true });
   #tools = new Tools(TOOLS, () => this.#choose());
   #goalLine;
@@ -43,8 +45,10 @@ export class SceneView {
   #arrows = { go: poseArrow("go"), place: poseArrow("place") };
   #floor = null;
   #isDirty = true;
+  #isMeasured = false; // its size, which says at first whether there is room for the list
   #isLost = false; // its graphics memory
-  #before = null; // the place of the followed robot
+  #before = null; // the followed robot, as it was
+  #isCockpit; // the view is that of a driver
   #ends = new AbortController();
   #sizes;
   #looks;
@@ -54,12 +58,14 @@ export class SceneView {
    * @param {import("../shared/gateway.js").Gateway} gateway
    * @param {string[]} kept texts of the scene as it was
    * @param {() => void} changed is called when a user has changed something that is kept
-   * @param {{fill: () => void, onFull: (take: (isFull: boolean) => void) => () => void}} card fills the page with it
+   * @param {{fill: () => void, onFull: (take: (isFull: boolean) => void) => () => void}|null} card fills the page with it. Without one it is
+   *   for a page that drives: it turns with the robot, has few buttons, and takes no keys
    */
   constructor(gateway, kept, changed, card) {
     this.#gateway = gateway;
     this.#changed = changed;
     this.#kept = texts.read(kept);
+    this.#isCockpit = !card;
     this.frames = new Frames(gateway);
     this.navigation = new Navigation(gateway, () => this.#dirty(), () => [pickedRobot(), this.#base]);
     this.#goalLine = new GoalLine(this.navigation);
@@ -77,7 +83,7 @@ export class SceneView {
     matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => this.#paint(), { signal: this.#ends.signal });
     this.#forget = gateway.on("graph", () => this.layers.learn());
     this.layers.learn();
-    this.#view.top(this.#kept.isTop);
+    this.#view.top(this.#kept.isTop, this.#ahead);
     this.#press();
   }
 
@@ -112,6 +118,16 @@ export class SceneView {
     this.#dirty();
   }
 
+  /** Turn the view by steps to the left. */
+  turn(steps) {
+    this.#view.turn(steps);
+  }
+
+  /** Zoom in, or out. */
+  zoom(isIn) {
+    this.#view.key({ key: isIn ? "+" : "-" });
+  }
+
   close() {
     this.#ends.abort();
     this.#sizes.disconnect();
@@ -135,7 +151,7 @@ export class SceneView {
     const home = element("button", { type: "button", title: say("scene.home.about") }, say("scene.home"));
     home.onclick = () => this.#goHome();
     this.#top.onclick = () => {
-      this.#view.top(!this.#view.isTop);
+      this.#view.top(!this.#view.isTop, this.#ahead);
       this.#press();
       this.#changed();
     };
@@ -145,11 +161,15 @@ export class SceneView {
       this.#press();
       this.#changed();
     };
-    const list = element("button", { type: "button", title: say("layers.about"), aria: { expanded: "true" } }, say("layers"));
-    list.onclick = () => {
-      this.layers.element.hidden = !this.layers.element.hidden;
-      list.setAttribute("aria-expanded", String(!this.layers.element.hidden));
-    };
+    this.#list.onclick = () => this.#fold(!this.layers.element.hidden);
+    const drawn = element("div", { className: "drawn" }, this.#canvas, this.#missing);
+    const bar = element("div", { className: "scene-bar" }, home, this.#top, this.#follow, this.#list);
+    const scene = element("div", { className: "scene" }, bar, drawn, this.layers.element);
+    if (!card) {
+      Object.assign(this.#canvas, { role: "img", ariaLabel: say("scene") });
+      return scene;
+    }
+    Object.assign(this.#canvas, { tabIndex: 0, role: "application", ariaLabel: say("scene.label") });
     const full = element("button", { type: "button", title: say("scene.full.about"), aria: { pressed: "false" } }, say("full"));
     full.onclick = () => card.fill();
     this.#ends.signal.addEventListener("abort", card.onFull((isFull) => full.setAttribute("aria-pressed", String(isFull))));
@@ -158,9 +178,17 @@ export class SceneView {
       this.#fix();
       this.#changed();
     };
-    const bar = element("div", { className: "scene-bar" }, element("label", {}, `${say("scene.frame")} `, this.#fixed), home, this.#top, this.#follow, this.#tools.element, list, full);
-    const drawn = element("div", { className: "drawn" }, this.#canvas, this.#missing);
-    return element("div", { className: "scene" }, bar, drawn, this.layers.element, this.#goalLine.element);
+    bar.prepend(element("label", {}, `${say("scene.frame")} `, this.#fixed));
+    this.#list.before(this.#tools.element);
+    bar.append(full);
+    scene.append(this.#goalLine.element);
+    return scene;
+  }
+
+  /** Show the list of layers, or not. */
+  #fold(isFolded) {
+    this.layers.element.hidden = isFolded;
+    this.#list.setAttribute("aria-expanded", String(!isFolded));
   }
 
   #press() {
@@ -200,6 +228,8 @@ export class SceneView {
   #resize() {
     const { clientWidth: width, clientHeight: height } = this.#canvas;
     if (!width || !height) return;
+    if (!this.#isMeasured) this.#fold(this.#isCockpit || this.element.clientWidth < WIDE_PX);
+    this.#isMeasured = true;
     this.renderer?.setSize(width, height, false);
     this.#view.resize(width, height);
     this.#dirty();
@@ -218,7 +248,7 @@ export class SceneView {
     }, { signal });
     canvas.addEventListener("pointerup", ({ isPrimary }) => isPrimary && this.#drag.up(), { signal });
     canvas.addEventListener("pointercancel", () => this.#drag.drop(), { signal });
-    canvas.addEventListener("keydown", (event) => this.#key(event), { signal });
+    if (!this.#isCockpit) canvas.addEventListener("keydown", (event) => this.#key(event), { signal });
     canvas.addEventListener("webglcontextlost", () => this.#lose(true), { signal });
     canvas.addEventListener("webglcontextrestored", () => this.#lose(false), { signal }); // three has made all of it again
     this.#drag.watch(this.#gateway, canvas, signal);
@@ -318,6 +348,11 @@ export class SceneView {
     return Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
   }
 
+  /** The heading that a driver looks along, or null. */
+  get #ahead() {
+    return this.#isCockpit ? this.#heading : null;
+  }
+
   #followRobot() {
     if (!this.#kept.follows) {
       this.#before = null;
@@ -325,14 +360,15 @@ export class SceneView {
     }
     const place = this.robot?.place;
     if (!place) return;
-    if (this.#before) this.#view.follow(this.#before, place);
-    else this.#view.home(place);
-    this.#before = place;
+    const yaw = this.#ahead;
+    if (this.#before) this.#view.follow(this.#before.place, place, yaw - this.#before.yaw);
+    else this.#view.home(place, yaw);
+    this.#before = { place, yaw };
   }
 
   #goHome() {
     this.#before = null;
-    this.#view.home(this.robot?.place ?? new Vector3());
+    this.#view.home(this.robot?.place ?? new Vector3(), this.#ahead);
     this.#dirty();
   }
 

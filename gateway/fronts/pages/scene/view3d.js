@@ -4,6 +4,8 @@
 import { OrbitControls, PerspectiveCamera, Raycaster, Vector2, Vector3 } from "../vendor/three.js";
 
 const HOME = [-3, -3, 3.5]; // metres from what it looks at
+const BEHIND = [-2.5, 0, 1.8]; // the same for a robot that looks along x
+const UP = new Vector3(0, 0, 1);
 const TURN = Math.PI / 24; // of an arrow key
 const PAN_PX = 40;
 const ZOOM = 0.85;
@@ -18,7 +20,6 @@ export class View3d {
   #canvas;
   #raycaster = new Raycaster();
   #pointer = new Vector2();
-  #shift = new Vector3();
 
   /**
    * @param {HTMLCanvasElement} canvas
@@ -30,6 +31,7 @@ export class View3d {
     this.#controls = new OrbitControls(this.camera, canvas);
     this.#controls.maxDistance = 1000;
     this.#controls.minDistance = 0.1;
+    this.#leaveOthers();
     this.#controls.addEventListener("change", changed);
     this.#raycaster.params.Points.threshold = HIT_M;
     this.home(new Vector3());
@@ -40,23 +42,23 @@ export class View3d {
     return this.#controls.target;
   }
 
-  /** Look at a place as at first. */
-  home(place) {
+  /** Look at a place as at first, or from behind what looks along *yaw* there. */
+  home(place, yaw = null) {
     this.target.copy(place);
-    this.camera.position.fromArray(HOME).add(place);
+    this.camera.position.copy(side(yaw)).add(place);
     this.#controls.update();
-    this.top(this.isTop);
+    this.top(this.isTop, yaw);
   }
 
-  /** Look from above, with y up as on a map, or from the side again. */
-  top(isTop) {
+  /** Look from above, with y up as on a map or else *yaw*, or from the side again. */
+  top(isTop, yaw = null) {
     this.isTop = isTop;
     const distance = this.#controls.getDistance();
     this.#controls.minPolarAngle = 0;
     this.#controls.maxPolarAngle = isTop ? 0 : Math.PI;
     this.#controls.enableRotate = !isTop;
-    if (isTop) this.camera.position.set(0, -0.001, 1).setLength(distance).add(this.target);
-    else if (this.#controls.getPolarAngle() < 0.1) this.camera.position.fromArray(HOME).setLength(distance).add(this.target);
+    if (isTop) this.camera.position.set(-0.001, 0, 1).applyAxisAngle(UP, yaw ?? Math.PI / 2).setLength(distance).add(this.target);
+    else if (this.#controls.getPolarAngle() < 0.1) this.camera.position.copy(side(yaw)).setLength(distance).add(this.target);
     this.#controls.update();
     this.looksAround(this.#isFree);
   }
@@ -71,11 +73,15 @@ export class View3d {
     this.#controls.touches.ONE = isFree ? (this.isTop ? 1 : 0) : null; // of TOUCH: pan, rotate
   }
 
-  /** Move with something that moves, from one place to another. */
-  follow(from, to) {
-    this.#shift.subVectors(to, from);
-    this.target.add(this.#shift);
-    this.camera.position.add(this.#shift);
+  /** Move with something that moves, from one place to another, and turn with it. */
+  follow(from, to, turn = 0) {
+    for (const each of [this.target, this.camera.position]) each.sub(from).applyAxisAngle(UP, turn).add(to);
+    this.#controls.update();
+  }
+
+  /** Turn around what it looks at, by steps to the left. */
+  turn(steps) {
+    this.#controls.rotateLeft(steps * TURN);
     this.#controls.update();
   }
 
@@ -126,7 +132,18 @@ export class View3d {
   close() {
     this.#controls.dispose();
   }
+
+  /** Leave pointers to others that hold them: three hears those of the whole page while one of its own is down. */
+  #leaveOthers() {
+    const controls = this.#controls;
+    for (const name of ["_onPointerMove", "_onPointerUp"]) {
+      const take = controls[name];
+      controls[name] = (event) => controls._pointers.includes(event.pointerId) && take(event);
+    }
+  }
 }
+
+const side = (yaw) => (yaw === null ? new Vector3(...HOME) : new Vector3(...BEHIND).applyAxisAngle(UP, yaw));
 
 function isVisible(object) {
   for (let each = object; each; each = each.parent) if (!each.visible) return false;

@@ -38,6 +38,8 @@ export default {
   "keys.help": "Show these keys",
   "keys.stop": "Stop the robot",
   "keys.drive": "Drive, while you hold them",
+  "keys.turn": "Turn the 3D scene",
+  "keys.zoom": "Zoom the 3D scene",
 
   "ok": "OK",
   "cancel": "Cancel",

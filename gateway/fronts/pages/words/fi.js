@@ -38,6 +38,8 @@ export default {
   "keys.help": "Näytä nämä näppäimet",
   "keys.stop": "Pysäytä robotti",
   "keys.drive": "Aja, kun pidät niitä painettuina",
+  "keys.turn": "Käännä 3D-näkymää",
+  "keys.zoom": "Lähennä tai loitonna 3D-näkymää",
 
   "ok": "OK",
   "cancel": "Peruuta",
