@@ -83,6 +83,7 @@ export class Scenery {
       this.#scene = new SceneView(this.#gateway, this.#texts, keep, null);
       this.#home.replaceChildren(this.#scene.element, this.#problem);
     } catch (error) {
+      this.#home.replaceChildren();
       this.#say(say("scene.failed", { why: error.message }));
     }
   }

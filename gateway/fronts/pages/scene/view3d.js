@@ -86,7 +86,7 @@ export class View3d {
   }
 
   /** Take a key. Return whether it was for this. */
-  key({ key, shiftKey }) {
+  key({ key, shiftKey = false }) {
     if (key in ARROWS) {
       const [across, along] = ARROWS[key];
       if (shiftKey || this.isTop) this.#controls.pan(across * PAN_PX, along * PAN_PX);
