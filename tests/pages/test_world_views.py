@@ -10,6 +10,7 @@ import pytest
 
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
+from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 from tests.pages.test_cards import NOTE_SENT
 from tests.pages.test_debug_page import card, until, until_painted
@@ -236,6 +237,57 @@ async def test_a_map_that_comes_late_keeps_the_updates_that_are_newer(evaluate):
         return shown;
     }""")
     assert shown == [[0, 2, 3, 0], [0, 2, 3, 4], [0, 2, 3, 4]]
+
+
+# updates of one cell each come while a map is painted. Returns the most that waited as one
+MANY_UPDATES = """async () => {
+    const { LiveMap } = await import("/views/live_map.js");
+    let most = 0;
+    const post = Worker.prototype.postMessage;
+    Worker.prototype.postMessage = function (message, ...others) {
+        most = Math.max(most, message.patches.length);
+        return post.call(this, message, ...others);
+    };
+    let values = [];
+    const show = (_, painted) => (values = painted.values);
+    const map = new LiveMap({ tell() {}, untell() {} }, { check() {}, show });
+    const [width, height] = [200, 100];
+    const header = { stamp: { sec: 1, nanosec: 0 } };
+    const wanted = new Array(width * height).fill(0);
+    map.take({ header, info: { width, height }, data: [...wanted] });
+    for (let count = 0; count < 30_000; count += 1) {
+        const at = (count * 7) % (wanted.length - 1);
+        const data = [(wanted[at] = (count % 101) - 1)];
+        map.update({ header, x: at % width, y: Math.floor(at / width), width: 1, height: 1, data });
+    }
+    while (String(values) !== String(wanted)) await new Promise(requestAnimationFrame);
+    map.close();
+    Worker.prototype.postMessage = post;
+    return most;
+}"""
+
+
+async def test_updates_that_wait_for_a_map_have_limited_room_and_none_is_lost(evaluate):
+    assert await evaluate(MANY_UPDATES) < 10_000
+
+
+@pytest.mark.parametrize(
+    ("shown", "most", "problem"),
+    [("map+0+/part", 1, ".problem"), ("scene+0+/+on,/part", 3, ".layers .problem:not([hidden])")],
+)
+async def test_updates_of_a_map_that_are_refused_are_told_of(
+    nowhere, open_page, shown, most, problem
+):
+    options = (*nowhere, "--set", f"limits.max_subscriptions={most}")
+    async with gateway_process("serve", *options) as gateway, client(gateway.url) as robot:
+        grid = {"topic": "/part", "type": "nav_msgs/OccupancyGrid"}
+        update = {"topic": "/part_updates", "type": "map_msgs/msg/OccupancyGridUpdate"}
+        for topic in (grid, update):
+            await robot.send(op="advertise", **topic, latch=True)
+        await robot.send(op="publish", **grid, msg=GRID)
+        async with open_page(f"{page_address(gateway)}#card={shown}") as page:
+            said = f"document.querySelector({problem!r})?.textContent"
+            await until(page, f"() => {said}?.includes('{most} subscriptions')")
 
 
 # paints a map of 3000 x 3000 cells with a thin wall. Returns something of some pixels

@@ -10,7 +10,8 @@ import { Display, put } from "./display.js";
 /** A `nav_msgs/msg/OccupancyGrid` on the floor. A costmap is a veil in one colour. */
 export class GridDisplay extends Display {
   options = MAP_OPTIONS;
-  #live = new LiveMap({ tell: (words) => (this.problem = words), untell: () => (this.problem = "") }, {
+  #said = ""; // by what paints it
+  #live = new LiveMap({ tell: (words) => (this.problem = this.#said = words), untell: (words) => words === this.#said && (this.problem = this.#said = "") }, {
     check: ({ info }) => check(info),
     colours: () => (this.look.mode === "costmap" ? veil(this.look.colour) : palette()),
     show: ({ info }, painted) => this.#lay(info, painted),
@@ -33,6 +34,7 @@ export class GridDisplay extends Display {
 
   show(message) {
     this.#live.take(message);
+    return this.#said;
   }
 
   restyle() {

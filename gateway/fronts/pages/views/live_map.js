@@ -2,25 +2,32 @@
 // A map that is painted again when a part of it changes: `map_msgs/msg/OccupancyGridUpdate` on its topic with `_updates` behind it.
 
 import { say } from "../shared/language.js";
+import { lasting } from "../shared/passing.js";
 import { Newest } from "./newest.js";
-import { palette } from "./occupancy.js";
+import { palette, patch, UNCHANGED } from "./occupancy.js";
 import { Painter } from "./painter.js";
 
 const UPDATE = "map_msgs/msg/OccupancyGridUpdate";
-const MOST_RECENT = 4 * 1024 * 1024; // cells of updates, as a map is at most a second older than the updates before it
+const MOST_RECENT = 4 * 1024 * 1024; // octets of updates, as a map is at most a second older than the updates before it
+const MOST_WAITING = 4 * 1024 * 1024; // likewise, of updates that come while a map is painted. Then they become one
+const EACH = 500; // octets of an update next to its cells
 
 /** Maps of one topic, of which the newest is painted, with all its updates. */
 export class LiveMap {
   #painter = new Painter();
+  #card;
   #newest;
   #colours;
   #check;
   #show;
   #message = null; // that the painter has, or gets next
   #waits = false; // whether it has to get it yet
-  #patches = []; // for it
+  #patches = []; // for it, which fit into it
+  #waiting = 0; // octets of them
+  #misfit = null; // an update that does not
   #recent = []; // updates, the newest last
-  #cells = 0; // in them
+  #kept = 0; // octets of them
+  #wrong = ""; // the words about updates
   #end = () => {};
 
   /**
@@ -30,6 +37,7 @@ export class LiveMap {
    *   `check` throws an error if a map cannot be shown, and `show` gets each painted one
    */
   constructor(card, { check, show, colours = palette }) {
+    this.#card = card;
     this.#newest = new Newest(card, (_, why) => say("map.unshown", { why }), (message) => this.#paint(message));
     [this.#check, this.#show, this.#colours] = [check, show, colours];
   }
@@ -38,23 +46,25 @@ export class LiveMap {
   take(message) {
     this.#message = message;
     this.#waits = true;
-    this.#patches = this.#recent.filter((each) => isNewer(each, message));
+    this.#forget();
+    for (const each of this.#recent) if (isNewer(each, message)) this.#wait(each);
     return this.#newest.take(message);
   }
 
   /** Take the newest values of a part of the map. */
-  update(patch) {
-    this.#recent.push(patch);
-    this.#cells += patch.data.length;
-    while (this.#cells > MOST_RECENT) this.#cells -= this.#recent.shift().data.length;
-    this.#patches.push(patch);
+  update(part) {
+    if (this.#wrong) this.#card.untell(this.#wrong);
+    this.#wrong = "";
+    this.#recent.push(part);
+    this.#kept += sizeOf(part);
+    while (this.#kept > MOST_RECENT) this.#kept -= sizeOf(this.#recent.shift());
+    if (this.#message) this.#wait(part);
     return this.repaint();
   }
 
   /** Paint the map again, in the colours of now. */
   async repaint() {
     if (this.#message) await this.#newest.take(this.#message);
-    else this.#patches = [];
   }
 
   /** Follow the updates of a topic, once a node publishes them. */
@@ -62,8 +72,9 @@ export class LiveMap {
     this.#end();
     const name = `${topic}_updates`;
     let end = null;
+    const tell = lasting((words) => this.#card.tell((this.#wrong = words)));
     const look = () => {
-      if (!end && gateway.graph.typeOf(name) === UPDATE) end = gateway.subscribe(name, { compression: "cbor" }, (each) => this.update(each), () => {});
+      if (!end && gateway.graph.typeOf(name) === UPDATE) end = gateway.subscribe(name, { compression: "cbor" }, (each) => this.update(each), tell);
     };
     const forget = gateway.on("graph", look);
     look();
@@ -78,9 +89,29 @@ export class LiveMap {
     this.#painter.close();
   }
 
+  #forget() {
+    [this.#patches, this.#waiting, this.#misfit] = [[], 0, null];
+  }
+
+  /** Keep an update until the map is painted. Of many one is made, or they would need ever more room. */
+  #wait(part) {
+    const { width, height } = this.#message.info;
+    if (!fits(part, width, height)) {
+      this.#misfit = { ...part, count: part.data.length, wide: width, high: height };
+      return;
+    }
+    this.#patches.push(part);
+    this.#waiting += sizeOf(part);
+    if (this.#waiting <= MOST_WAITING) return;
+    const all = { x: 0, y: 0, width, data: new Int16Array(width * height).fill(UNCHANGED) };
+    for (const each of this.#patches) patch(all.data, width, each);
+    [this.#patches, this.#waiting] = [[all], 0];
+  }
+
   async #paint(message) {
-    const [waits, patches] = [this.#waits, this.#patches];
-    [this.#waits, this.#patches] = [false, []];
+    const [waits, patches, misfit] = [this.#waits, this.#patches, this.#misfit];
+    this.#waits = false;
+    this.#forget();
     try {
       if (waits) this.#check(message);
       this.#show(message, await this.#painter.paint(waits ? message : null, patches, this.#colours()));
@@ -88,8 +119,14 @@ export class LiveMap {
       if (waits && message === this.#message) this.#message = null; // the painter has another one, or none
       throw error;
     }
+    if (misfit) throw new RangeError(say("map.wrong.update", misfit));
   }
 }
+
+const sizeOf = ({ data }) => data.length + EACH;
+
+/** Return whether an update lies in a map of so many cells, and has a value for each of its own. */
+const fits = ({ x, y, width, height, data }, wide, high) => x >= 0 && y >= 0 && x + width <= wide && y + height <= high && data.length === width * height;
 
 /** Return whether an update is newer than a map. */
 function isNewer({ header: { stamp } }, { header }) {

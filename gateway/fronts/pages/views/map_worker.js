@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A worker that paints a nav_msgs/msg/OccupancyGrid. If a pixel has several cells, it shows the most occupied one, or a thin wall would vanish.
 
-import { insistOnCells, scaleOf } from "./occupancy.js";
+import { insistOnCells, patch, scaleOf } from "./occupancy.js";
 
 const MOST_PIXELS = 1024 * 1024; // twice as wide and high as a plan
 const STRIPE = 1024 * 1024; // cells that are read at once, 4 MB of a picture
@@ -15,8 +15,7 @@ self.onmessage = async ({ data: { map, patches, colours } }) => {
     if (map) kept = null;
     if (map) kept = { width: map.width, height: map.height, octets: await octetsOf(map) };
     if (!kept) throw new RangeError("none", { cause: {} });
-    const misfits = patches.filter((each) => !patch(kept, each)).map(({ data, ...place }) => ({ ...place, count: data.length }));
-    if (misfits.length) throw new RangeError("update", { cause: { ...misfits[0], wide: kept.width, high: kept.height } });
+    for (const each of patches) patch(kept.octets, kept.width, each);
     const painted = paint(kept, colours);
     self.postMessage(painted, { transfer: [painted.bitmap, painted.values.buffer] });
   } catch (error) {
@@ -45,13 +44,6 @@ function rank(pixels, octets, at, cells, width) {
     }
     pixels[column] = highest;
   }
-}
-
-/** Put the cells of an update into a map. Return whether it fits. */
-function patch(map, { x, y, width, height, data }) {
-  if (x < 0 || y < 0 || x + width > map.width || y + height > map.height || data.length !== width * height) return false;
-  for (let row = 0; row < height; row += 1) map.octets.set(data.slice(row * width, (row + 1) * width), (y + row) * map.width + x);
-  return true;
 }
 
 async function octetsOf({ width, height, data, format }) {

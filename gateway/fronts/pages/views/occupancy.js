@@ -3,12 +3,21 @@
 
 import { token } from "../shared/dom.js";
 
+/** A value that an update has for a cell which stays as it is. No octet is so large. */
+export const UNCHANGED = 1000;
 const LONGEST = 4096; // pixels of a side: what any GPU takes, for a map that is long and narrow
 
 /** Throw an error unless a map has as many cells as it says: `map.wrong.` leads to its words, with the values of its cause, because a worker has no language. */
 export function insistOnCells(width, height, count) {
   if (!(width > 0 && height > 0)) throw new RangeError("size", { cause: { width, height } });
   if (count !== width * height) throw new RangeError("count", { cause: { width, height, count } });
+}
+
+/** Put the values of an update into the cells of a map that is so many wide. */
+export function patch(cells, wide, { x, y, width, data }) {
+  for (let at = 0; at < data.length; at += 1) {
+    if (data[at] !== UNCHANGED) cells[(y + Math.floor(at / width)) * wide + x + (at % width)] = data[at];
+  }
 }
 
 /** Return how many cells a pixel has to be wide, for a map in at most so many pixels. */

@@ -12,7 +12,7 @@ export class Painter {
   /**
    * Paint a `nav_msgs/msg/OccupancyGrid`, with its cells or as a picture, in a colour for each octet. Call it again only when this one is done.
    * @param {any} map or null for the one before
-   * @param {any[]} patches `map_msgs/msg/OccupancyGridUpdate`, the oldest first
+   * @param {any[]} patches `map_msgs/msg/OccupancyGridUpdate`, the oldest first, which fit into the map
    * @returns {Promise<{bitmap: ImageBitmap, cells: number, values: Int8Array}>} the first row is at the bottom. How many cells of the map a
    *   pixel is wide. Of each pixel, from the first row of the map on, the most occupied of its cells, 0 to 100, or -1 if none is known
    */
