@@ -68,7 +68,7 @@ class ZenohSource:
         loop = asyncio.get_running_loop()
         self._options, self._definitions = options, definitions
         with contextlib.ExitStack() as undo:
-            self.session = ZenohSession(session, options.domain_id or 0)
+            ros = self.session = ZenohSession(session, options.domain_id or 0)
             self.inbox = Inbox(loop)
             undo.callback(self.inbox.close)
             self.known = TokenGraph(self.session.id)
@@ -85,13 +85,10 @@ class ZenohSource:
             undo.callback(self._same_names.close)
             self._watches.add(self._same_names.look)
             self._foreign = ForeignSamples(_log_foreign)
-            self._subscriptions = ZenohSubscriptions(
-                self.session, self.nodes["subscriptions"], self.known, self.inbox, self._foreign
-            )
+            rest = (self.known, self.inbox, self._foreign)
+            self._subscriptions = ZenohSubscriptions(ros, self.nodes["subscriptions"], *rest)
             undo.callback(self._subscriptions.close)
-            self._of_actions = ZenohSubscriptions(
-                self.session, self.nodes["services"], self.known, self.inbox, self._foreign
-            )
+            self._of_actions = ZenohSubscriptions(ros, self.nodes["services"], *rest, in_order=True)
             undo.callback(self._of_actions.close)
             self.publishing = parts = ZenohParts(
                 self.session,

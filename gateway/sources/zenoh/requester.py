@@ -132,8 +132,9 @@ class ZenohRequester(Requester):
                 cdr = answer.payload.to_bytes()
                 mailbox.put(lambda: self._settle(number, cdr))
 
+        # On the thread that receives: by default, each request has its own.
         handler = zenoh.handlers.Callback(
-            arrive, lambda: mailbox.put(lambda: self._over(number, errors))
+            arrive, lambda: mailbox.put(lambda: self._over(number, errors)), indirect=False
         )
 
         def send() -> None:

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Final
 
+import zenoh
 from zenoh import ext
 
 from gateway.sources.qos import Endpoint, adopt, gone, offered, unmatched_publishers
@@ -51,10 +52,13 @@ class ZenohReader:
             cdr, now_ns = sample.payload.to_bytes(), time.time_ns()
             put(arrivals, Arrival(cdr, of_publisher, now_ns, str(sample.key_expr)))
 
-        self._key, self._arrive = key, arrive
+        # By default, each callback has its own thread, and the order among them is lost.
+        in_order = place.all_of_them.in_order
+        self._arrive = zenoh.handlers.Callback(arrive, indirect=not in_order)
+        self._key = key
         self._of_buffers: Any = None
         self._subscriber: Any = ext.declare_advanced_subscriber(
-            session.zenoh, key, arrive, history=history, subscriber_detection=retained
+            session.zenoh, key, self._arrive, history=history, subscriber_detection=retained
         )
 
     @property
@@ -120,7 +124,7 @@ class ForeignSamples:
 
 
 class ZenohSubscriptions:
-    """All subscriptions of a session."""
+    """All subscriptions of a session. Those *in_order* keep their order among the answers, too."""
 
     def __init__(
         self,
@@ -129,7 +133,10 @@ class ZenohSubscriptions:
         graph: TokenGraph,
         inbox: Inbox,
         foreign: ForeignSamples,
+        *,
+        in_order: bool = False,
     ) -> None:
+        self.in_order = in_order
         self.session, self.node, self.graph, self.inbox = session, node, graph, inbox
         self.unlisted = UnlistedPublishers(graph.has_publisher)
         self.foreign = foreign

@@ -91,7 +91,9 @@ class Callee:
                 self._kept.append(self._session.declare_queryable(key, answer, complete=True))
             elif token.kind == "MP":
                 # a plain one, which knows whether its subscriber has found it
-                self._publishers[key] = self._session.declare_publisher(key)
+                self._publishers[key] = self._session.declare_publisher(
+                    key, congestion_control=zenoh.CongestionControl.BLOCK
+                )
 
     def close(self) -> None:
         self._session.close()
