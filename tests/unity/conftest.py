@@ -36,7 +36,8 @@ def gateway(tmp_path_factory: pytest.TempPathFactory) -> Iterator[GatewayProcess
     prefixes = os.pathsep.join(filter(None, [os.environ.get("AMENT_PREFIX_PATH"), str(prefix)]))
     # recordings are files of the user
     environment = ("env", f"AMENT_PREFIX_PATH={prefixes}", f"XDG_DATA_HOME={prefix}")
-    with in_background(demonstration(before=environment)) as process:
+    patient = demonstration(module="tests.unity.patient_demo", before=environment)
+    with in_background(patient) as process:
         yield process
 
 

@@ -203,6 +203,8 @@ class Rogue:
             frame = json.loads(text)
             if frame["op"] == "ping":
                 await client.send(json.dumps({"op": "pong", "value": frame["value"]}))
+            if frame["op"] == "cut":
+                client.transport.abort()
             if frame["op"] != "fetch_asset":
                 continue
             name = frame["uri"].removeprefix("package://rogue/")

@@ -28,7 +28,6 @@ namespace Ros2Gateway.Editor.Tests
         [SetUp]
         public void SetUp()
         {
-            LogAssert.ignoreFailingMessages = true; // a busy gateway leaves a ping unanswered, and it is said
             _settings = ScriptableObject.CreateInstance<GatewaySettings>();
             _settings.Address = Environment.GetEnvironmentVariable("ROS2GATEWAY_TEST_URL");
             _holder = new GameObject("holder");

@@ -102,7 +102,6 @@ namespace Ros2Gateway.Unity.Tests
         [UnityTest]
         public IEnumerator TheTwinFollowsTheRobot()
         {
-            LogAssert.ignoreFailingMessages = true; // a busy machine refuses a command, which is sent again
             DigitalTwin twin = _scene.Display<DigitalTwin>("/odom", OdometryMsg.Type);
             TopicPublisher driver = _scene.Publisher("/cmd_vel", TwistMsg.Type);
             TwistMsg turn = new();

@@ -25,6 +25,7 @@ namespace Ros2Gateway
         private byte[] _asset; // null before the first chunk
         private int _offset; // so many bytes of it are here
         private string _id; // of the chunk that is under way
+        private int _connection;
         private bool _isOver;
 
         /// <param name="done">Called once by the pump. Never after <see cref="Cancel"/>.</param>
@@ -41,9 +42,13 @@ namespace Ros2Gateway
         /// <summary>The request, for people.</summary>
         internal static string What(string uri) => "fetch_asset " + uri;
 
+        /// <summary>Whether the connection has ended by which it began. There may be another.</summary>
+        internal bool HasLostConnection => !_client.IsConnected || _client.Connections != _connection;
+
         /// <summary>Asks for the first chunk.</summary>
         internal AssetFetch Start()
         {
+            _connection = _client.Connections;
             lock (_gate)
             {
                 Ask();

@@ -135,10 +135,11 @@ namespace Ros2Gateway.Unity
 
         private void Take(Reply<byte[]> reply)
         {
+            bool isLost = !reply.Ok && _fetch.HasLostConnection;
             _fetch = null;
             ServedMesh mesh = _unfetched.Peek();
             bool isLast = mesh.Attempts >= MaxAttempts;
-            if (!reply.Ok && !isLast && !_client.IsConnected)
+            if (isLost && !isLast)
             {
                 return; // asked for again when there is a connection
             }

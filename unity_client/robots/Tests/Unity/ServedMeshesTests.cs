@@ -2,6 +2,7 @@
 using System;
 using System.Collections;
 using System.Collections.Generic;
+using System.Threading;
 using NUnit.Framework;
 using Ros2Gateway.Messages.StdMsgs;
 using UnityEngine;
@@ -191,6 +192,24 @@ namespace Ros2Gateway.Unity.Tests
 
         [UnityTest]
         [Category("Gateway")]
+        public IEnumerator AConnectionThatIsLostAndBackWithinAFrameIsNoRefusal()
+        {
+            LogAssert.ignoreFailingMessages = true; // the client says what was lost
+            GatewayClient client = Connect();
+            RobotDescriptionDisplay robot = Robot(Mesh("package://rogue/held.stl"), Mesh("package://rogue/2.stl"));
+            yield return _scene.Until(() => client.PendingRequests == 1, "for the fetch");
+            client.Request("cut", null, null);
+            Wait(() => client.PendingRequests == 0, "for the end");
+            long frames = client.FramesReceived;
+            Wait(() => client.FramesReceived > frames, "for the first answer of another connection");
+            yield return _scene.Until(() => client.PendingRequests == 1, "for the fetch by that");
+            client.FetchAsset("package://rogue/1.stl", null); // the answer to the other comes first
+            yield return _scene.Until(() => All(robot, mesh => mesh.vertexCount != BoxVertices), "for the meshes");
+            Assert.AreEqual(1, Shown(robot, 0).vertices[0].y, "of the first fetch: its turn is not over");
+        }
+
+        [UnityTest]
+        [Category("Gateway")]
         public IEnumerator AnotherConnectionGoesOnWhereOneIsDestroyed()
         {
             LogAssert.ignoreFailingMessages = true; // the client says that the fetch has ended
@@ -302,6 +321,10 @@ namespace Ros2Gateway.Unity.Tests
             Assert.AreEqual(1, robot.transform.childCount);
             Assert.IsNull(robot.transform.GetChild(0).GetComponent<MeshFilter>());
         }
+
+        /// <summary>Waits within a frame.</summary>
+        private static void Wait(Func<bool> holds, string what) =>
+            Assert.IsTrue(SpinWait.SpinUntil(holds, 120000), "waited in vain " + what);
 
         private static string Mesh(string uri, string scale = "1 1 1") =>
             "<geometry><mesh filename='" + uri + "' scale='" + scale + "'/></geometry>";

@@ -27,6 +27,7 @@ namespace Ros2Gateway
         private long _names;
         private int _isStatePosted;
         private int _isDisposed;
+        private int _connections;
 
         /// <summary>A client that is not connected yet. Topics can be opened before: they open with the connection.</summary>
         public GatewayClient(GatewayOptions options)
@@ -131,6 +132,9 @@ namespace Ros2Gateway
         internal TransformWatches Transforms { get; }
 
         internal int CallMilliseconds => _options.CallMilliseconds;
+
+        /// <summary>How many connections there have been.</summary>
+        internal int Connections => Volatile.Read(ref _connections);
 
         /// <summary>Begins to connect, and keeps connecting until <see cref="Disconnect"/>.</summary>
         public void Connect()
@@ -389,6 +393,7 @@ namespace Ros2Gateway
 
         void ILinkOwner.OnUp(ITransport transport)
         {
+            Interlocked.Increment(ref _connections);
             Outbox.Attach(transport);
             if (!string.IsNullOrEmpty(_options.Token))
             {
