@@ -51,7 +51,8 @@ async def test_topics_are_a_touch_away_from_any_page(demo, open_page):
 
 async def test_the_links_tell_whether_the_cards_or_the_list_is_in_view(demo, open_page):
     current = "() => document.querySelector('.pages [aria-current]').innerText"
-    async with open_page(page_address(demo), **PHONES) as page:
+    cards = "#card=map+0+/map&card=scan+0+/scan&card=imu+0+/imu"
+    async with open_page(page_address(demo) + cards, **PHONES) as page:
         await page.wait_for_selector("article canvas")
         assert await page.evaluate(current) == "Cards"
         await page.get_by_role("link", name="Topics").tap()
@@ -62,7 +63,13 @@ async def test_the_links_tell_whether_the_cards_or_the_list_is_in_view(demo, ope
         await page.wait_for_function(f"() => ({current})() === 'Cards'")
         await page.evaluate("() => scrollTo(0, document.body.scrollHeight)")
         await page.wait_for_function(f"() => ({current})() === 'Topics'")
-        await page.set_viewport_size(DESK)  # where it stands next to the cards
+        before = page.url
+        await page.get_by_role("link", name="Cards", exact=True).tap()
+        await page.wait_for_function(f"() => ({current})() === 'Cards'")
+        assert page.url == before  # with the cards
+        await page.evaluate("() => scrollTo(0, document.body.scrollHeight)")
+        await page.wait_for_function(f"() => ({current})() === 'Topics'")
+        await page.set_viewport_size(DESK)  # it is next to the cards then
         await page.wait_for_function(f"() => ({current})() === 'Debug'")
 
 

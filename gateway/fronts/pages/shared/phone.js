@@ -44,6 +44,11 @@ function follow() {
     other.removeAttribute("aria-current");
   };
   phone.onchange = mark;
+  cards.onclick = (event) => {
+    if (!phone.matches) return;
+    event.preventDefault(); // the cards are in the address, and the link has none
+    scrollTo(0, 0);
+  };
   const observer = new IntersectionObserver((entries) => {
     isListSeen = entries.at(-1).isIntersecting;
     mark();

@@ -24,7 +24,7 @@ export class FormCard extends Card {
    * @param {import("../../shared/gateway.js").Gateway} gateway
    * @param {import("./card.js").Shown} shown
    * @param {import("./card.js").Actions} actions
-   * @param {{kind: string, typeOf: () => string}} about what it sends, and a function that returns the described type, "" without one
+   * @param {{kind: string, typeOf: () => string}} about the kind of form, and a function that returns the described type, "" without one
    */
   constructor(gateway, shown, actions, { kind, typeOf }) {
     const [verb, title] = [say(`form.act.${kind}`), say(`form.title.${kind}`, { name: shown.topic })];
