@@ -154,6 +154,45 @@ async def test_all_that_is_kept_is_saved_as_csv(open_card):
         assert [each.split(",")[1:] for each in lines[1:]] == [["1", "1"], ["", "0.25"]]
 
 
+# the pixels of a curve in the middle fifth of a plot. It is drawn first
+IN_THE_MIDDLE = """() => {
+    drawn();
+    const canvas = document.querySelector("article canvas");
+    const { left, width } = document.querySelector(".u-over").getBoundingClientRect();
+    const scale = canvas.width / canvas.getBoundingClientRect().width;
+    const first = (left - canvas.getBoundingClientRect().left + width * 0.4) * scale;
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+    copy.drawImage(canvas, 0, 0);
+    const colour = getComputedStyle(document.documentElement).getPropertyValue("--series-1").trim();
+    const wanted = [1, 3, 5].map((at) => Number.parseInt(colour.slice(at, at + 2), 16));
+    const { data } = copy.getImageData(first, 0, width * 0.2 * scale, canvas.height);
+    let count = 0;
+    for (let at = 0; at < data.length; at += 4) {
+        count += wanted.every((each, index) => Math.abs(each - data[at + index]) < 8);
+    }
+    return count;
+}"""
+REST = "() => { alone.rest(); now += 20_000; alone.wake(); }"
+
+
+@pytest.mark.parametrize("rests", [True, False])
+@pytest.mark.parametrize("mode", ["value", "xy"])
+async def test_no_line_leads_over_a_time_in_which_nobody_saw_the_plot(open_card, mode, rests):
+    """Its values are at 0 and 1 on either side. CSV has the rows of messages alone."""
+    settings = {"mode": mode, "window": "30"}
+    side = "(x) => [0, 1, 0].forEach((y) => { now += 1000; take({ x: x + y / 9, y }); drawn(); })"
+    async with open_card("plot", fields=["x", "y"], settings=settings) as page:
+        await page.evaluate("() => take({ x: 0, y: 0 })")
+        await plotted(page)
+        await page.evaluate(f"() => [0].forEach({side})")
+        await page.evaluate(REST if rests else "() => { now += 20_000; }")
+        await page.evaluate(f"() => [9].forEach({side})")
+        await until(page, f"rests => (({IN_THE_MIDDLE})() > 5) !== rests", rests)
+        button = page.get_by_role("button", name="CSV of /x")
+        _, text = await saved(page, button.press("Enter"))
+        assert [len(each.split(",")[1]) > 0 for each in text.splitlines()] == [True] * 8
+
+
 async def test_numbers_of_several_topics_in_one_plot(served, open_page):
     address = page_address(served) + "#card=plot+0+/one+data"
     kept = "new URLSearchParams(location.hash.slice(1)).get('card')"

@@ -116,6 +116,11 @@ export class PlotView {
     this.#plot?.redraw(false);
   }
 
+  /** Nobody knows the values of the time in which the card was not seen. */
+  wake() {
+    for (const each of this.#samples.values()) each.breakOff();
+  }
+
   close() {
     this.#observer.disconnect();
     this.#tools?.close();
@@ -210,10 +215,11 @@ export class PlotView {
   }
 
   /** Return what is kept of a time, as a table of all curves. */
-  #table(from, to) {
+  #table(from, to, hasBreaks = true) {
     const tables = [...this.#samples.values()].map((each) => {
       const [times, ...columns] = each.within(from, to);
-      return [times, ...(this.#tools.mode === "change" ? columns.map((values) => changes(times, values)) : columns)];
+      const table = [times, ...(this.#tools.mode === "change" ? columns.map((values) => changes(times, values)) : columns)];
+      return hasBreaks ? table : each.withoutBreaks(table);
     });
     return join(tables);
   }
@@ -297,7 +303,7 @@ export class PlotView {
 
   /** Return all that is kept, as CSV. */
   #csv() {
-    const [times, ...columns] = this.#table(-Infinity, Infinity);
+    const [times, ...columns] = this.#table(-Infinity, Infinity, false);
     const zero = this.#tools.isStamped ? 0 : performance.timeOrigin / 1000;
     return csv(["time (s)", ...this.#curves.map(({ field }) => field)], [times.map((each) => (each + zero).toFixed(6)), ...columns]);
   }

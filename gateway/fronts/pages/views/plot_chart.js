@@ -113,7 +113,9 @@ function line(plot, index) {
   Plot.orient(plot, index, (series, xs, ys, scaleX, scaleY, toX, toY, left, top, wide, high) => {
     const path = new Path2D();
     const [xData, yData] = plot.data[index];
-    xData.forEach((x, at) => path.lineTo(toX(x, scaleX, wide, left), toY(yData[at], scaleY, high, top)));
+    xData.forEach((x, at) => {
+      if (x !== null) path[(xData[at - 1] ?? null) === null ? "moveTo" : "lineTo"](toX(x, scaleX, wide, left), toY(yData[at], scaleY, high, top));
+    });
     plot.ctx.save();
     plot.ctx.strokeStyle = typeof series.stroke === "function" ? series.stroke(plot, index) : series.stroke;
     plot.ctx.lineWidth = LINE * devicePixelRatio;

@@ -4,11 +4,13 @@
 const MOST_S = 600; // as long as the longest window
 const MOST_POINTS = 60_000; // of a curve: 100 Hz for 10 min
 const MOST_LATE_S = 5; // so much older than the newest a message of another node may be. An older one is of a new beginning
+const INSTANT_S = 1e-6; // from the last value to the gap behind it
 const SLACK = 0.1; // it may have so much more, so that not each message moves all of it
 
 /** The newest values of some curves of one topic, in the order of their times. */
 export class Samples {
   #columns = [[]]; // times in seconds, and the values of each curve. Null is a gap
+  #breaks = new Set(); // times at which there is a gap, and no message
 
   /** @param {number} count of curves */
   constructor(count) {
@@ -47,10 +49,19 @@ export class Samples {
     return hasBegunAgain;
   }
 
+  /** Let no line lead from the newest values to the next. */
+  breakOff() {
+    if (!this.length || this.#breaks.has(this.newest)) return;
+    const time = this.newest + INSTANT_S;
+    this.#columns.forEach((each, index) => each.push(index ? null : time));
+    this.#breaks.add(time);
+  }
+
   /** Forget all of a time that has not come again yet. Return whether there was any. */
   forgetAfter(time) {
     if (!(time < this.newest - MOST_LATE_S)) return false;
     for (const each of this.#columns) each.length = 0;
+    this.#breaks.clear();
     return true;
   }
 
@@ -60,6 +71,7 @@ export class Samples {
     const excess = this.length > MOST_POINTS * (1 + SLACK) ? this.length - MOST_POINTS : 0;
     const gone = Math.max(late, excess);
     if (gone) for (const each of this.#columns) each.splice(0, gone);
+    for (const each of this.#breaks) if (each < this.oldest) this.#breaks.delete(each);
   }
 
   /** Return times and values from one time to another, with the one before: its line leads into the window. */
@@ -67,6 +79,11 @@ export class Samples {
     const first = Math.max(0, this.#at(from) - 1);
     const end = this.newest <= to ? this.length : this.#at(to);
     return this.#columns.map((each) => each.slice(first, end));
+  }
+
+  /** Return a table of its times with the rows of messages alone. */
+  withoutBreaks(table) {
+    return table.map((each) => each.filter((_, at) => !this.#breaks.has(table[0][at])));
   }
 
   /** Return the place of the first that is at least as new, or newer. */
@@ -97,17 +114,18 @@ export function unitOfChange(unit) {
   return unit.endsWith("/s") ? `${unit}²` : `${unit}/s`;
 }
 
-/** Return pairs: each value with the newest value of the first column at its time. */
+/** Return pairs: each value with the newest value of the first column at its time. Null is a gap. */
 export function pairs(table) {
   const [, xs, ...others] = table;
   return others.map((ys) => {
     const found = [[], []];
     let x = null;
     xs.forEach((each, at) => {
-      x = each ?? x;
-      if (x === null || (ys[at] ?? null) === null) return;
-      found[0].push(x);
-      found[1].push(ys[at]);
+      if (each !== undefined) x = each;
+      if (ys[at] === undefined) return;
+      const isGap = x === null || ys[at] === null;
+      found[0].push(isGap ? null : x);
+      found[1].push(isGap ? null : ys[at]);
     });
     return found;
   });
