@@ -196,6 +196,32 @@ async def test_a_cloud_is_asked_for_thinned_and_its_points_get_their_places(serv
     }
 
 
+async def test_a_cloud_is_thinned_as_its_layer_says_and_refused_numbers_are_shown(demo, open_page):
+    async with open_page(page_address(demo) + SCENE, script=NOTE_SENT) as page:
+        asked = """() => sent.map(JSON.parse).filter(({ cloud }) => cloud).at(-1)?.cloud"""
+        await until(page, f"() => ({asked})()?.max_points === 50_000")
+        points, cubes = (
+            page.locator(f".layers > li:has-text('/points') [type=number] >> nth={at}")
+            for at in (0, 1)
+        )
+        await points.focus()
+        await page.keyboard.press("ArrowDown")
+        await page.keyboard.press("Enter")
+        await until(page, f"() => ({asked})().max_points === 45_000")
+        await cubes.fill("0.2")
+        await page.keyboard.press("Enter")
+        await until(page, f"() => ({asked})().voxel_m === 0.2")
+        await until(page, "() => location.hash.includes('height%2C45000%2C0.2')")
+        for field, wrong, right in ((points, "900000", "900"), (cubes, "5000", "0")):
+            await field.fill(wrong)
+            await page.keyboard.press("Enter")
+            await page.wait_for_selector(".layers .problem:text-matches('cloud.(max|voxel)')")
+            await field.fill(right)
+            await page.keyboard.press("Enter")
+            await until(page, "() => !document.querySelector('.layers .problem:not([hidden])')")
+        assert await page.evaluate(asked) == {"max_points": 900, "fields": []}
+
+
 MARKER = """
     const marker = (id, more) => ({ header, ns: "a", id, type: 1, action: 0, pose, text: "here",
         scale: { x: 1, y: 1, z: 1 }, color: { r: 1, g: 0, b: 0, a: 0.5 }, colors: [],
@@ -698,6 +724,10 @@ async def test_a_pose_is_given_by_keys_and_a_distance_is_measured(demo, open_pag
 
 async def test_a_cloud_of_the_list_opens_in_the_scene(demo, open_page):
     async with open_page(page_address(demo) + "#card=world+0+/points") as page:
+        unfold = page.locator(".scene-bar [aria-expanded]")
+        await until(page, "() => document.querySelector('.layers')?.hidden")  # it is narrow
+        assert await unfold.get_attribute("aria-expanded") == "false"
+        await unfold.click()
         modes = "() => document.querySelector('.look select')?.options.length"
         await until(page, f"{modes} === 4")  # the fields of the cloud are known
         await page.get_by_label("colors of /points").select_option("rgb")

@@ -4,7 +4,6 @@ import { Points, PointsMaterial } from "../vendor/three.js";
 import { Display } from "./display.js";
 import { Places } from "./points.js";
 
-const MOST_POINTS = 50_000;
 /** The ways to colour a cloud, next to its own fields. */
 export const PLAIN_MODES = ["height", "flat"];
 
@@ -38,7 +37,7 @@ export class CloudDisplay extends Display {
 
   open() {
     const field = PLAIN_MODES.includes(this.look.mode) ? [] : [this.look.mode];
-    this.options = { compression: "cbor", throttle_rate: 50, cloud: { max_points: MOST_POINTS, fields: field } };
+    this.options = { compression: "cbor", throttle_rate: 50, cloud: { max_points: this.look.points, ...(this.look.voxel && { voxel_m: this.look.voxel }), fields: field } };
     super.open();
   }
 

@@ -4,7 +4,11 @@
 import { say } from "../shared/language.js";
 import { Group } from "../vendor/three.js";
 
-/** The look of a layer: its colour, a number whose meaning its kind says, and what else the kind offers. @typedef {{colour: string, size: number, mode: string}} Look */
+/**
+ * The look of a layer: its colour, a number whose meaning its kind says, and what else the kind offers. Of a cloud, also how many points it has
+ * at most, and the width in metres of the cubes that keep one point, or 0.
+ * @typedef {{colour: string, size: number, mode: string, points: number, voxel: number}} Look
+ */
 
 /**
  * The surroundings of a display.
@@ -12,6 +16,7 @@ import { Group } from "../vendor/three.js";
  * @property {import("../shared/gateway.js").Gateway} gateway
  * @property {import("./frames.js").Frames} frames
  * @property {() => void} changed asks for a new picture
+ * @property {number} mostPoints of a cloud at first
  */
 
 /** One topic in a scene: its messages, in the frame that they name. */

@@ -8,7 +8,7 @@
 
 /** @param {Kept} scene */
 export function write({ frame, isTop, follows, layers }) {
-  const lines = layers.map(({ isOn, topic, look: { colour, size, mode } }) => [isOn ? "on" : "off", topic, colour, size, mode].join(","));
+  const lines = layers.map(({ isOn, topic, look: { colour, size, mode, points, voxel } }) => [isOn ? "on" : "off", topic, colour, size, mode, ...(points ? [points, voxel] : [])].join(","));
   return [...(frame ? [`frame,${frame}`] : []), ...(isTop ? ["top"] : []), ...(follows ? ["follow"] : []), ...lines];
 }
 
@@ -21,9 +21,9 @@ export function read(texts) {
   const of = (key) => parts.find(([first]) => first === key);
   return {
     frame: of("frame")?.[1] ?? "", isTop: Boolean(of("top")), follows: Boolean(of("follow")),
-    layers: parts.filter(([first, topic]) => (first === "on" || first === "off") && topic).map(([first, topic, colour = "", size = "", mode = ""]) => ({
+    layers: parts.filter(([first, topic]) => (first === "on" || first === "off") && topic).map(([first, topic, colour = "", size = "", mode = "", points = "", voxel = ""]) => ({
       isOn: first === "on", topic,
-      look: /** @type {any} */ ({ ...(/^#[0-9a-f]{6}$/.test(colour) && { colour }), ...(Number(size) > 0 && { size: Number(size) }), ...(mode && { mode }) }),
+      look: /** @type {any} */ ({ ...(/^#[0-9a-f]{6}$/.test(colour) && { colour }), ...(Number(size) > 0 && { size: Number(size) }), ...(mode && { mode }), ...(Number(points) && { points: Number(points) }), ...(Number(voxel) && { voxel: Number(voxel) }) }),
     })),
   };
 }

@@ -18,7 +18,7 @@ export const FRAMES = "/tf";
 
 /**
  * A kind of layer. `size` says what its number means, with the limits. Without it the layer has none.
- * @typedef {{name: string, Display: any, colour?: string, size?: {name: string, value: number, most: number, step: number}, mode?: string, isOff?: boolean}} Kind
+ * @typedef {{name: string, Display: any, colour?: string, size?: {name: string, value: number, most: number, step: number}, mode?: string, isOff?: boolean, isThinned?: boolean}} Kind
  */
 
 const metres = (name, value, most) => ({ name: say(`size.${name}`), value, most, step: most / 100 });
@@ -27,7 +27,7 @@ const OPACITY = { name: say("size.opacity"), value: 1, most: 1, step: 0.05 };
 const KINDS = {
   "nav_msgs/msg/OccupancyGrid": { name: say("layer.map"), Display: GridDisplay, size: OPACITY },
   "sensor_msgs/msg/LaserScan": { name: say("layer.scan"), Display: ScanDisplay, colour: "#e05adf", size: metres("points", 0.05, 0.3) },
-  "sensor_msgs/msg/PointCloud2": { name: say("layer.cloud"), Display: CloudDisplay, colour: "#4cc9b8", size: metres("points", 0.03, 0.3), mode: "height" },
+  "sensor_msgs/msg/PointCloud2": { name: say("layer.cloud"), Display: CloudDisplay, colour: "#4cc9b8", size: metres("points", 0.03, 0.3), mode: "height", isThinned: true },
   "nav_msgs/msg/Path": { name: say("layer.path"), Display: PathDisplay, colour: "#3fb950" },
   "geometry_msgs/msg/PolygonStamped": { name: say("layer.polygon"), Display: PathDisplay, colour: "#f2b84b" },
   "geometry_msgs/msg/PoseArray": { name: say("layer.poses"), Display: PosesDisplay, colour: "#ff8f8f", size: metres("arrows", 0.3, 2) },

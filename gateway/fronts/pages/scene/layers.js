@@ -6,6 +6,8 @@ import { say } from "../shared/language.js";
 import { PLAIN_MODES } from "./cloud.js";
 import { FRAMES, kindOf } from "./kinds.js";
 
+const THINNING = { points: 5000, voxel: 0.01 }; // steps
+
 /** A layer as the address of the page keeps it: whether it is on, its topic, and its look. @typedef {{isOn: boolean, topic: string, look: import("./display.js").Look}} Kept */
 
 /** The layers of a scene. */
@@ -89,7 +91,7 @@ class Layer {
     this.kind = kind;
     this.#context = context;
     this.#changed = changed;
-    this.#first = { colour: kind.colour ?? "", size: kind.size?.value ?? 0, mode: kind.mode ?? "" };
+    this.#first = { colour: kind.colour ?? "", size: kind.size?.value ?? 0, mode: kind.mode ?? "", points: kind.isThinned ? context.mostPoints : 0, voxel: 0 };
     this.look = { ...this.#first, ...wanted?.look };
     this.title = `${kind.name} ${topic}`;
     this.#box.checked = wanted ? wanted.isOn : !kind.isOff;
@@ -164,6 +166,23 @@ class Layer {
       this.#restyle({ mode: this.#modes.value });
       this.display?.open(); // it needs another field
     };
+    if (kind.isThinned) this.#offerThinning();
+  }
+
+  /** Offer how the gateway thins a cloud. It refuses what is out of its range, in words that the line shows. */
+  #offerThinning() {
+    const { topic, look } = this;
+    const inputs = Object.entries(THINNING).map(([key, step]) => {
+      const label = say(`layers.${key}.of`, { topic });
+      const input = element("input", { type: "number", min: "0", step: String(step), value: String(look[key]), title: label, aria: { label } });
+      input.onchange = () => {
+        input.value ||= String(this.#first[key]); // nothing, or no number
+        this.#restyle({ [key]: Number(input.value) });
+        this.display?.open();
+      };
+      return element("label", {}, say(`layers.${key}`), input);
+    });
+    this.#more.append(...inputs);
   }
 
   #offerModes() {

@@ -17,6 +17,7 @@ import { View3d } from "./view3d.js";
 
 const TOOLS = [...POSE_TOOLS, "measure", "pick"];
 const FLOOR_M = 20;
+const FEW_POINTS = 10_000; // 60 kB: the network of a driver has something else to do
 const WIDE_PX = 640; // a narrower one would be half covered by its list
 const BASES = ["base_footprint", "base_link"];
 const FLAT = { x: 0, y: 0, z: 0 };
@@ -71,7 +72,7 @@ export class SceneView {
     this.#goalLine = new GoalLine(this.navigation);
     this.#view = new View3d(this.#canvas, () => this.#dirty());
     this.#drag = new PoseDrag(() => ({ yaw: this.#heading, frame: this.frames.fixed }), () => this.#dirty(), (pose) => this.#given(pose));
-    this.layers = new Layers({ gateway, frames: this.frames, changed: () => this.#dirty() }, this.#kept.layers, changed);
+    this.layers = new Layers({ gateway, frames: this.frames, changed: () => this.#dirty(), mostPoints: card ? 50_000 : FEW_POINTS }, this.#kept.layers, changed);
     this.element = this.#build(card);
     this.#light();
     this.#begin();
@@ -94,6 +95,10 @@ export class SceneView {
 
   /** Draw it if anything has changed. */
   draw() {
+    if (!this.#isMeasured && this.element.clientWidth) {
+      this.#isMeasured = true;
+      this.#fold(this.#isCockpit || this.element.clientWidth < WIDE_PX);
+    }
     if (this.frames.step()) this.#isDirty = true;
     if (!this.#isDirty) return;
     this.#isDirty = false;
@@ -228,8 +233,6 @@ export class SceneView {
   #resize() {
     const { clientWidth: width, clientHeight: height } = this.#canvas;
     if (!width || !height) return;
-    if (!this.#isMeasured) this.#fold(this.#isCockpit || this.element.clientWidth < WIDE_PX);
-    this.#isMeasured = true;
     this.renderer?.setSize(width, height, false);
     this.#view.resize(width, height);
     this.#dirty();
