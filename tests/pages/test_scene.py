@@ -12,7 +12,7 @@ import pytest
 
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
-from tests.pages.conftest import TIMEOUT_S, page_address
+from tests.pages.conftest import TIMEOUT_S, page_address, severable
 from tests.pages.test_debug_page import NOTE_SENT, PHONE, until, until_painted
 
 pytestmark = pytest.mark.asyncio(loop_scope="package")
@@ -397,6 +397,35 @@ async def test_markers_from_before_a_rest_end_with_the_first_message_after_it(se
     assert found == [2, 1, 2]
 
 
+async def test_markers_of_the_connection_before_go_unless_they_come_again(served, open_page):
+    async with open_page(page_address(served) + "#cards=none") as page:
+        found = await stage(page, f"""
+            const hear = new Map();
+            gateway.on = (name, take) => {{ hear.set(name, take); return () => {{}}; }};
+            {MARKER}
+            tell(marker(0), marker(1), marker(2));
+            hear.get("state")({{ state: "closed" }});
+            hear.get("state")({{ state: "open" }});
+            const now = performance.now;
+            let waitedMs = 0;
+            performance.now = () => now.call(performance) + waitedMs;
+            tell(marker(0)); // two kept messages come again
+            tell(marker(1));
+            scene.tick();
+            const counts = [display.count];
+            waitedMs = 3000;
+            scene.tick();
+            counts.push(display.count);
+            tell(marker(2));
+            tell(marker(3)); // the new connection is as any
+            counts.push(display.count);
+            scene.close();
+            performance.now = now;
+            return counts;
+        """)  # fmt: skip
+    assert found == [3, 2, 4]
+
+
 async def test_a_robot_has_its_links_where_its_joints_say(served, open_page):
     async with open_page(page_address(served) + "#cards=none") as page:
         found = await stage(page, """
@@ -734,6 +763,30 @@ async def test_a_cloud_of_the_list_opens_in_the_scene(demo, open_page):
         await until(page, "() => location.hash.includes('on%2C%2Fpoints%2C%234cc9b8%2C0.03%2Crgb')")
         await page.get_by_role("button", name="close /points").click()
         await until(page, "() => !document.querySelector('.scene')")
+
+
+async def test_a_new_connection_brings_kept_markers_and_ends_others(demo, open_page):
+    async with (
+        client(demo.url) as speaker,
+        open_page("about:blank") as page,
+        severable(page) as line,
+    ):
+        for topic, is_kept in (("/kept", True), ("/passing", False)):
+            kind = {"topic": topic, "type": "visualization_msgs/msg/Marker"}
+            await speaker.send(op="advertise", **kind, latch=is_kept)
+        await page.goto(page_address(demo) + SCENE)
+        name = "document.querySelector('.layers [data-name={}]')"
+        seen = [name.format(each) for each in ("kept", "passing")]
+        while not await page.evaluate(f"() => {' && '.join(seen)}"):
+            for each in ("kept", "passing"):
+                msg = {"header": {"frame_id": "base_link"}, "ns": each, "type": 1}
+                await speaker.send(op="publish", topic=f"/{each}", msg=msg)
+            await page.wait_for_timeout(100)
+        await line.cut()
+        await page.wait_for_selector(".state[data-state=closed]")
+        line.mend()
+        await until(page, f"() => !{seen[1]}")
+        assert await page.evaluate(f"() => Boolean({seen[0]})")
 
 
 async def test_stop_stays_in_view_when_a_scene_fills_the_screen(demo, open_page):

@@ -76,6 +76,9 @@ export class Display {
   /** Go on after nothing has come for a while. */
   wake() {}
 
+  /** Begin anew, as the gateway does with a new connection: it sends again what it has. */
+  restart() {}
+
   /** Put it in a frame. */
   within(frame) {
     if (frame === this.#frame) return;

@@ -7,6 +7,7 @@ import { nameOf } from "./frames.js";
 import { keyOf, leftOut, make, MESH, set, tint } from "./marker_shapes.js";
 
 const MOST_MARKERS = 10_000; // the oldest is dropped for a newer one
+const AGAIN_MS = 3000; // so long what the gateway keeps may take to come again
 const [ADD, DELETE, DELETE_ALL] = [0, 2, 3];
 
 /**
@@ -20,7 +21,8 @@ export class MarkersDisplay extends Display {
   /** @type {Map<string, Shown>} by namespace and id, the one that has not come for the longest time first */
   #markers = new Map();
   #hidden = new Set(); // namespaces
-  #earlier = new Set(); // keys of markers from before a rest
+  #earlier = new Set(); // keys of markers from before a rest, or of the connection before
+  #againMs = Infinity; // when those of the connection before end
   #dropped = 0; // because there were too many
   /** @type {Set<Shown>} */
   #faulty = new Set();
@@ -56,24 +58,37 @@ export class MarkersDisplay extends Display {
         problem ||= say("unshown", { why: error.message }); // the others can
       }
     }
-    for (const key of this.#earlier) this.#remove(key);
-    this.#earlier.clear();
+    if (this.#againMs === Infinity) this.#dropEarlier(); // other kept messages may follow on a new connection
     return problem || this.#words;
   }
 
   tick() {
     const now = performance.now();
     for (const [key, { untilMs }] of this.#markers) if (untilMs <= now) this.#remove(key);
+    if (now >= this.#againMs) this.#dropEarlier();
   }
 
   /** Nobody knows which markers were deleted while nothing came: the next message says it, because what it leaves out goes. */
   wake() {
     this.#earlier = new Set(this.#markers.keys());
+    this.#againMs = Infinity;
+  }
+
+  /** Markers may have been deleted without a connection: those that do not come again go. Until then they stay, so nothing flickers. */
+  restart() {
+    this.wake();
+    this.#againMs = performance.now() + AGAIN_MS;
   }
 
   close() {
     for (const key of [...this.#markers.keys()]) this.#remove(key);
     super.close();
+  }
+
+  #dropEarlier() {
+    for (const key of this.#earlier) this.#remove(key);
+    this.#earlier.clear();
+    this.#againMs = Infinity;
   }
 
   get #words() {

@@ -82,7 +82,11 @@ export class SceneView {
     this.#looks = new MutationObserver(() => this.#paint());
     this.#looks.observe(document.documentElement, { attributes: true });
     matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => this.#paint(), { signal: this.#ends.signal });
-    this.#forget = gateway.on("graph", () => this.layers.learn());
+    const forgets = [
+      gateway.on("graph", () => this.layers.learn()),
+      gateway.on("state", ({ state }) => state === "open" && this.layers.displays.forEach((each) => each.restart())),
+    ];
+    this.#forget = () => forgets.forEach((forget) => forget());
     this.layers.learn();
     this.#view.top(this.#kept.isTop, this.#ahead);
     this.#press();
