@@ -76,6 +76,18 @@ async def test_axe_finds_nothing_on_a_phone(demo, open_page):
         assert await page.evaluate(FOUND) == []
 
 
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+async def test_axe_finds_nothing_in_the_scene_of_the_drive_page(demo, open_page, scheme):
+    options = {"viewport": PHONE, "has_touch": True, "color_scheme": scheme}
+    async with open_page(page_address(demo) + "drive", **options) as page:
+        await page.wait_for_selector("#camera canvas")
+        await page.tap("#choose-scene")
+        await page.tap(".scene-bar [aria-expanded]")
+        await page.wait_for_selector(".layers input[type=number]")
+        await page.evaluate(AXE.read_text(encoding="utf-8"))
+        assert await page.evaluate(FOUND) == []
+
+
 STATES = {
     "menu": "() => document.querySelector('.bar .more').click()",
     "menu of a card": "() => document.querySelector('article .more').click()",

@@ -101,7 +101,7 @@ export class SceneView {
   draw() {
     if (!this.#isMeasured && this.element.clientWidth) {
       this.#isMeasured = true;
-      this.#fold(this.#isCockpit || this.element.clientWidth < WIDE_PX);
+      this.#fold(this.element.clientWidth < WIDE_PX);
     }
     if (this.frames.step()) this.#isDirty = true;
     if (!this.#isDirty) return;
@@ -176,6 +176,8 @@ export class SceneView {
     const scene = element("div", { className: "scene" }, bar, drawn, this.layers.element);
     if (!card) {
       Object.assign(this.#canvas, { role: "img", ariaLabel: say("scene") });
+      this.#isMeasured = true;
+      this.#fold(true);
       return scene;
     }
     Object.assign(this.#canvas, { tabIndex: 0, role: "application", ariaLabel: say("scene.label") });
