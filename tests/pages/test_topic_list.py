@@ -314,6 +314,7 @@ async def test_a_long_list_makes_the_page_no_longer(open_page, served):
 async def test_a_rate_is_that_of_the_numbers_whatever_comes_when(evaluate, came, hz):
     reckon = """async came => {
         const { Arrivals } = await import("/shared/arrivals.js");
+        const { wordsOf } = await import("/debug/arrival_words.js");
         const { now: clock } = performance;
         let now = 0;
         performance.now = () => now;
@@ -322,7 +323,7 @@ async def test_a_rate_is_that_of_the_numbers_whatever_comes_when(evaluate, came,
             for (const [ms, seq] of came) if (ms === now) arrivals.add(1, 0, seq);
             if (now % 1000 === 0 && now) arrivals.tick();
         }
-        const { words } = arrivals;
+        const words = wordsOf(arrivals);
         performance.now = clock;
         return words;
     }"""

@@ -33,7 +33,7 @@ NOT_WORDS = re.compile(
     # keys of a keyboard, commands, fonts, and rules of CSS
     r"Alt|Arrow|Control|End|Enter|Escape|Home|Meta|Space|Tab|↑ ↓ Home End"
     r"|ros2-gateway .+|.+(sans-serif|monospace|system-ui)|\(.+: .+\)"
-    r"|(also )?ghost( more)?|(button|input)[^ ]*, .+|\*, .+|image init_from"
+    r"|(also )?ghost( more)?|(button|input|select)[^ ]*, .+|\*, .+|image init_from"
     # a mistake in the code
     r"|no words for …"
     # names that are the same in all languages, units, and fields of a message

@@ -35,7 +35,9 @@ export function goOn(here) {
 
 /** Mark one of the two links to the debug page as current: to the list while it is in the middle of the screen, or else to the cards. */
 function follow() {
-  const [cards, topics] = document.querySelectorAll(".pages a");
+  /** @type {NodeListOf<HTMLAnchorElement>} */
+  const links = document.querySelectorAll(".pages a");
+  const [cards, topics] = links;
   const phone = matchMedia("(max-width: 45rem)"); // as style.css has it
   let isListSeen = false;
   const mark = () => {
