@@ -2,6 +2,8 @@
 """Every view with a message of its type, on a desk, on a phone, and by the keyboard."""
 
 import math
+import re
+from collections.abc import Iterable
 
 import pytest
 
@@ -9,6 +11,8 @@ from tests.client import client
 from tests.pages.conftest import page_address
 from tests.pages.test_axe import AXE, FOUND
 from tests.pages.test_debug_page import NOTE_SENT, PHONE, card, until, until_painted
+from tests.pages.test_looks import LANGUAGES
+from tests.pages.test_world_views import GRID
 
 pytestmark = pytest.mark.asyncio(loop_scope="package")
 
@@ -350,3 +354,62 @@ async def test_a_value_that_is_chosen_by_its_type_once_it_is_known(served, open_
         await robot.send(op="advertise", topic="/later", type="std_msgs/Float64", latch=True)
         await robot.send(op="publish", topic="/later", msg={"data": 2.5})
         await until(page, "() => document.querySelector('.big')?.textContent === '2.500'")
+
+
+LARGE = {"width": 1400, "height": 7000}  # a view shows its message once it is seen
+NAMES = {"wheel", "gripper", "open"}  # texts of the robot that stand alone
+# further views, with a message of each
+OTHERS = [
+    ("map", "nav_msgs/OccupancyGrid", GRID),
+    ("scan", "sensor_msgs/LaserScan", {"ranges": [1.0], "range_max": 4.0}),
+    ("battery", "sensor_msgs/BatteryState", {"percentage": 0.1, "power_supply_health": 5}),
+    ("trail", "nav_msgs/Odometry", {}),
+    ("tree", "geometry_msgs/Twist", {}),
+    ("raw", "std_msgs/String", {}),
+    ("image", "sensor_msgs/Image", DEPTH),
+    ("world", "visualization_msgs/Marker", {"type": 99}),
+]
+# what the views and the scenes say, without the texts of the robot, which are in elements of `bdi`
+SAID = """() => {
+    const found = [];
+    for (const body of document.querySelectorAll("article .body")) {
+        const walk = document.createTreeWalker(body, NodeFilter.SHOW_TEXT);
+        while (walk.nextNode()) {
+            const { data, parentElement } = walk.currentNode;
+            const isRobots = parentElement.closest("bdi, pre, .diagnostics dd");
+            if (!isRobots || parentElement.closest(".noted, .beside")) found.push(data);
+        }
+        for (const name of ["aria-label", "title", "placeholder"]) {
+            const named = [...body.querySelectorAll(`[${name}]`)];
+            found.push(...named.map((each) => each.getAttribute(name)));
+        }
+    }
+    return found;
+}"""
+
+
+def words_of(texts: Iterable[str]) -> set[str]:
+    """Return the words, except the names of values and of ROS."""
+    parts = (re.sub(r"\{\w+\}", "", text).lower().split() for text in texts)
+    found = {part.strip("().,:;…") for each in parts for part in each}
+    return {each for each in found if len(each) > 1 and each.isalpha()}
+
+
+async def test_the_views_and_the_scene_are_in_the_language_of_the_page(served, open_page, evaluate):
+    texts = await evaluate(LANGUAGES)
+    english = words_of(texts["en"].values()) - words_of(texts["fi"].values()) - NAMES
+    shown = [(view, kind, message) for view, kind, message, _, _ in CASES] + OTHERS
+    cards = [
+        address(view).replace("/seen", f"/seen{index}").removeprefix("#")
+        for index, (view, _, _) in enumerate(shown)
+    ]
+    where = page_address(served) + "#" + "&".join([*cards, "card=scene+0+/"])
+    async with client(served.url) as robot, open_page(where, LARGE, locale="fi-FI") as page:
+        for index, (_, kind, message) in enumerate(shown):
+            await robot.send(op="advertise", topic=f"/seen{index}", type=kind, latch=True)
+            await robot.send(op="publish", topic=f"/seen{index}", msg=message)
+        said = f"({SAID})().join(' ')"
+        for words in ("marker.type", "battery.health.failure", "joy.none", "tool.measure"):
+            await until(page, f"words => {said}.includes(words)", texts["fi"][words].split("{")[0])
+        found = await page.evaluate(SAID)
+        assert [each for each in found if words_of([each]) & english] == []

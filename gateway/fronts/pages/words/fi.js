@@ -614,7 +614,7 @@ export default {
   "axes.many": "{most} kehyksellä on akselit, kaikkiaan kehyksiä on {count}.",
   "cloud.whole": "yhdyskäytävä ei harventanut sitä",
   "frames.many": "Kehyksiä on liikaa: 3D-näkymä säilyttää {most} ja jättää pois pisimpään hiljaa olleet.",
-  "frames.lost": "Mikään muunnos ei kerro, missä on {names} kehyksessä {frame}.",
+  "frames.lost": "Mikään muunnos ei kerro paikkaa kehyksessä {frame}: {names}.",
   "frames.more": "{names} ja {count} muuta",
   "frames.scene": "3D-näkymä",
   "frustum.uncalibrated": "kameraa ei ole kalibroitu",
