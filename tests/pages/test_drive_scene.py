@@ -203,7 +203,7 @@ async def test_letters_turn_the_scene_and_arrows_do_not(served, open_page):
             assert await seen() == last, key
 
 
-async def test_what_a_pointer_presses_in_the_scene_keeps_no_keys(scene):
+async def test_a_button_that_a_pointer_presses_in_the_scene_keeps_no_keys(scene):
     async with scene(NOTE_SENT) as page:
         layers = page.locator(LAYERS)
         assert not await page.is_visible(".layers")
@@ -267,7 +267,7 @@ async def test_scene_stick_sliders_and_stop_are_seen_together(demo, open_page, s
         assert inside["y"] >= over["y"] + over["height"] - 1
 
 
-async def test_a_text_of_the_storage_that_is_no_scene_is_passed_over(demo, open_page):
+async def test_a_text_of_the_storage_that_is_not_a_scene_is_passed_over(demo, open_page):
     wrong = "localStorage.setItem('ros2-gateway.drive-scene', 'shown , {\"a\":1} on,,,, on');"
     async with open_page(f"{page_address(demo)}drive", script=wrong) as page:
         await until_painted(page, CANVAS)

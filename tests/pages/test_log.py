@@ -54,6 +54,15 @@ async def test_lines_by_level_node_and_text(open_card):
         assert await page.evaluate("() => alone.settings") == kept
 
 
+async def test_lines_that_fit_are_shown_before_the_browser_has_scrolled_to_them(open_card):
+    async with open_card("log", type=LOG) as page:
+        await page.evaluate(SAY, [1, 101])
+        await page.evaluate("""() => Object.defineProperty(
+            document.querySelector('.log .window'), 'scrollTop', { get: () => 1800, set() {} })""")
+        await page.get_by_label("text in /x").fill("LINE 7")
+        assert (await page.evaluate(LAST)).endswith("line 79")
+
+
 async def test_one_line_is_shown_as_a_whole_by_the_keyboard(open_card):
     line = """take({ level: 30, stamp: { sec: 1, nanosec: 0 }, name: "arm", msg: "one\\ntwo",
         file: "arm.cpp", function: "go", line: 7 })"""

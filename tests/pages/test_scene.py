@@ -47,8 +47,8 @@ STAGE = """
         topic, { name: topic, types: [type], publishers: ["/n"], subscribers: [] });
     const say = (topic, message) => heard.get(topic)?.(message);
     const card = { fill() {}, onFull: () => () => {} };
-    const begin = (...kept) => place(card, kept);
-    const place = (card, kept) => {
+    const begin = (...kept) => put(card, kept);
+    const put = (card, kept) => {
         const scene = new SceneView(gateway, kept, () => {}, card);
         document.body.append(scene.element);
         say("/tf", { transforms: [
@@ -500,7 +500,7 @@ async def test_the_view_follows_a_robot_and_that_of_a_driver_turns_with_it(
 ):
     async with open_page(page_address(served) + "#cards=none") as page:
         found = await stage(page, f"""
-            const scene = place({card}, ["follow"]);
+            const scene = put({card}, ["follow"]);
             let seen;
             scene.renderer.render = (world, {{ position }}) => {{ seen = position.clone(); }};
             const turned = {{ x: 0, y: 0, z: Math.SQRT1_2, w: Math.SQRT1_2 }};

@@ -369,7 +369,7 @@ OTHERS = [
     ("image", "sensor_msgs/Image", DEPTH),
     ("world", "visualization_msgs/Marker", {"type": 99}),
 ]
-# what the views and the scenes say, without the texts of the robot, which are in elements of `bdi`
+# the words of the views and the scenes. The texts of the robot are in elements of `bdi`
 SAID = """() => {
     const found = [];
     for (const body of document.querySelectorAll("article .body")) {

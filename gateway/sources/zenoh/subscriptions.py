@@ -124,7 +124,7 @@ class ForeignSamples:
 
 
 class ZenohSubscriptions:
-    """All subscriptions of a session. Those *in_order* keep their order among the answers, too."""
+    """All subscriptions of a session. Those *in_order* also keep their order among the answers."""
 
     def __init__(
         self,

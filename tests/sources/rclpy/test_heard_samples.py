@@ -26,7 +26,7 @@ def test_the_first_of_a_publisher_waits_for_what_the_new_reader_gets_before_it()
     assert numbers(heard.new(samples(b"b", 6, 7, 8))) == [8]
 
 
-def test_what_comes_after_a_gap_waits_for_a_retired_reader_that_is_behind():
+def test_samples_after_a_gap_wait_for_a_retired_reader_that_is_behind():
     heard = HeardSamples()
     heard.begin(is_latched=False, repaired=frozenset({b"a"}))
     assert numbers(heard.new([*samples(b"a", 5), *samples(b"b", 5)])) == [5]  # b is best effort

@@ -23,7 +23,7 @@ export class Scenery {
   #texts;
   #isShown;
   #problem = element("p", { className: "problem", role: "status", hidden: true });
-  #isByPointer = false; // what was done last
+  #isByPointer = false; // the last action
 
   /**
    * @param {import("../shared/gateway.js").Gateway} gateway
@@ -75,7 +75,7 @@ export class Scenery {
     this.#home.replaceChildren(element("p", {}, say("scene.loading")));
     try {
       const { SceneView } = await import("../scene/scene.js");
-      if (!this.#isShown || this.#scene) return; // another picture was chosen meanwhile
+      if (!this.#isShown || this.#scene) return; // another picture was chosen in that time
       const keep = () => {
         this.#texts = this.#scene.kept;
         this.#keep();

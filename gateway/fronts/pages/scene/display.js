@@ -76,7 +76,7 @@ export class Display {
   /** Go on after nothing has come for a while. */
   wake() {}
 
-  /** Begin anew, as the gateway does with a new connection: it sends again what it has. */
+  /** Begin from scratch, as the gateway does with a new connection: it sends again what it has. */
   restart() {}
 
   /** Put it in a frame. */

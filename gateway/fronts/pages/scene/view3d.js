@@ -133,7 +133,7 @@ export class View3d {
     this.#controls.dispose();
   }
 
-  /** Leave pointers to others that hold them: three hears those of the whole page while one of its own is down. */
+  /** Leave pointers to others that hold them: three hears those of the whole page while its pointer is down. */
   #leaveOthers() {
     const controls = this.#controls;
     for (const name of ["_onPointerMove", "_onPointerUp"]) {

@@ -125,7 +125,7 @@ export class LiveMap {
 
 const sizeOf = ({ data }) => data.length + EACH;
 
-/** Return whether an update lies in a map of so many cells, and has a value for each of its own. */
+/** Return whether an update lies in a map of so many cells, and has a value for each of its cells. */
 const fits = ({ x, y, width, height, data }, wide, high) => x >= 0 && y >= 0 && x + width <= wide && y + height <= high && data.length === width * height;
 
 /** Return whether an update is newer than a map. */

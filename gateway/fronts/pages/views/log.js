@@ -116,8 +116,11 @@ export class LogView {
   #write() {
     const { shown, first } = this.#lines;
     const { scrollTop, clientHeight } = this.#window;
-    const from = Math.max(0, Math.floor(scrollTop / LINE) - MORE);
-    const lines = shown.slice(from, from + Math.ceil(clientHeight / LINE) + 2 * MORE);
+    const seen = Math.ceil(clientHeight / LINE);
+    // lines that a filter takes away leave the place behind the end until the browser scrolls
+    const top = Math.min(Math.floor(scrollTop / LINE), shown.length - seen);
+    const from = Math.max(0, top - MORE);
+    const lines = shown.slice(from, from + seen + 2 * MORE);
     const drawn = `${first} ${from} ${lines.length} ${lines[0]?.at} ${lines.at(-1)?.at}`;
     if (drawn === this.#drawn) return;
     this.#drawn = drawn;

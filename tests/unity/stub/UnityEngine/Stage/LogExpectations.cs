@@ -16,10 +16,10 @@ namespace UnityEngine.Stage
             public string Words;
         }
 
-        /// <summary>What is rightly said when a busy machine holds up a command or an answer.</summary>
+        /// <summary>The true messages of a busy machine that holds up a command or an answer.</summary>
         private static readonly Regex OfABusyMachine = new Regex(
             "over 250 ms|many commands arrived together|commands stopped arriving|the gateway hung while"
-            + "|guard process ended or hung|no answer from the gateway for");
+            + "|guard process ended or hung|the stop overtook it|no answer from the gateway for");
 
         private static readonly object Lock = new object();
         private static readonly List<Expectation> Expected = new List<Expectation>();
