@@ -13,8 +13,7 @@ import socket
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
 from gateway.errors import BindError, RobotDiedError
@@ -94,13 +93,30 @@ def run(serve: Callable[[], int], robot: Sequence[str]) -> int:
     Raises:
         RobotDiedError: the robot ended before the gateway did.
     """
-    with _running(robot) as child:
-        try:
-            return serve()
-        finally:  # also if the end of the robot interrupted serve
-            exit_code = child.poll()
-            if exit_code is not None:
-                raise RobotDiedError(exit_code)
+    child = subprocess.Popen(robot, stdin=subprocess.PIPE, start_new_session=True)
+    serving, stopping = threading.Event(), threading.Event()
+
+    def watch() -> None:
+        serving.wait()  # an earlier interrupt would come before `try`
+        child.wait()
+        if not stopping.is_set():
+            _interrupt_main_thread()
+
+    watcher = threading.Thread(target=watch, name="robot", daemon=True)
+    watcher.start()
+    try:
+        serving.set()
+        return serve()
+    finally:  # also if the end of the robot interrupted serve
+        exit_code = child.poll()
+        stopping.set()
+        if child.stdin:
+            child.stdin.close()
+        watcher.join(STOP_TIMEOUT_S)
+        child.kill()
+        watcher.join()
+        if exit_code is not None:
+            raise RobotDiedError(exit_code)
 
 
 def end_with_stdin() -> None:
@@ -115,29 +131,6 @@ def end_with_stdin() -> None:
         os._exit(1)
 
     threading.Thread(target=watch, name="stdin", daemon=True).start()
-
-
-@contextmanager
-def _running(command: Sequence[str]) -> Iterator[subprocess.Popen[bytes]]:
-    child = subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
-    stopping = threading.Event()
-
-    def watch() -> None:
-        child.wait()
-        if not stopping.is_set():
-            _interrupt_main_thread()
-
-    watcher = threading.Thread(target=watch, name="robot", daemon=True)
-    watcher.start()
-    try:
-        yield child
-    finally:
-        stopping.set()
-        if child.stdin:
-            child.stdin.close()
-        watcher.join(STOP_TIMEOUT_S)
-        child.kill()
-        watcher.join()
 
 
 def _namespace(config: "Config") -> str:

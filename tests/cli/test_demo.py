@@ -7,6 +7,7 @@ import subprocess
 import sys
 import textwrap
 import threading
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -131,6 +132,20 @@ def test_a_robot_that_ends_while_the_gateway_starts_is_named_and_not_what_it_bro
 
     with pytest.raises(RobotDiedError, match="exit code 7"):
         demo.run(serve, python("raise SystemExit(7)"))
+
+
+def test_a_robot_that_ends_before_the_gateway_starts_is_named(tmp_path, monkeypatch):
+    robot = python(f"import pathlib; pathlib.Path({str(tmp_path / 'ended')!r}).touch()")
+    start = threading.Thread.start
+
+    def start_slowly(thread: threading.Thread) -> None:
+        start(thread)
+        wait_for(tmp_path / "ended")
+        time.sleep(0.5)  # the process ends in this time, and nothing may interrupt us
+
+    monkeypatch.setattr(threading.Thread, "start", start_slowly)
+    with pytest.raises(RobotDiedError, match="exit code 0"):
+        demo.run(lambda: threading.Event().wait(TIMEOUT_S), robot)
 
 
 def test_the_gateway_and_then_the_robot_end_within_two_seconds():

@@ -14,12 +14,19 @@ from gateway.codec.picture import COMPRESSED_IMAGE
 from gateway.core.topics.subscription_options import DEFAULT_QUEUE_BYTES
 from gateway.sources.source import Qos
 from gateway.uplink.pace import UplinkPace
+from gateway.uplink.uplink import Uplink
 from tests.client import eventually
 from tests.codec.test_cloud import cdr as cloud_of
 from tests.core.conftest import IMAGE, ODOMETRY, STRING
 from tests.uplink.conftest import Fleet, watched
 
 JPEGS = "/camera/image_raw/compressed"
+
+
+def slow_down(uplink: Uplink, bytes_per_s: float) -> None:
+    """Say how slow the link is. Its pace says the truth again with each mark."""
+    assert uplink.link is not None
+    uplink.link.session.outbox.drains(bytes_per_s)
 
 
 async def test_a_topic_flows_while_it_is_watched_and_comes_as_it_is(fleet: Fleet):
@@ -96,10 +103,9 @@ async def test_a_camera_is_offered_as_jpeg_that_fits_the_uplink(fleet: Fleet):
 
     camera.publish(raw)
     await eventually(lambda: len(received.cdrs) == 1)
-    assert uplink.link is not None
-    uplink.link.session.outbox.drains(100_000)  # as the pace does for a slow link
 
     def is_smaller() -> bool:
+        slow_down(uplink, 100_000)
         camera.publish(raw)
         return min(shown())[2] < shown()[0][2] / 4
 
@@ -121,10 +127,9 @@ async def test_jpegs_of_a_camera_are_offered_as_they_are_if_they_fit(fleet: Flee
     cdr = bench.types.get(COMPRESSED_IMAGE).encode({"format": "jpeg", "data": data}, 0)
     own.publish(cdr)
     await eventually(lambda: received.cdrs == [cdr])
-    assert uplink.link is not None
-    uplink.link.session.outbox.drains(len(cdr))  # a second for each of them: too slow
 
     def is_smaller() -> bool:
+        slow_down(uplink, len(cdr))  # a second for each of them: too slow
         own.publish(cdr)
         return len(received.cdrs[-1]) < len(cdr) / 4
 

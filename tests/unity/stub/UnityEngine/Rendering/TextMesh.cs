@@ -4,7 +4,7 @@ namespace UnityEngine
     [RequireComponent(typeof(MeshRenderer))]
     public sealed class TextMesh : Component
     {
-        public string text { get; set; }
+        public string text { get; set; } = "";
 
         public Color color { get; set; }
 
