@@ -124,6 +124,14 @@ def is_same_request(one: Qos, other: Qos) -> bool:
     return replace(one, depth=None) == replace(other, depth=None)
 
 
+def is_matched(asked: Qos, offered: Endpoint) -> bool:
+    """Return whether a subscription with this profile and lease gets a publisher's samples."""
+    is_alive = asked.lease_ns is None or (
+        offered.lease_ns is not None and offered.lease_ns <= asked.lease_ns
+    )
+    return is_alive and not any(_clashes(asked, offered))
+
+
 def complete_offer(asked: Qos) -> Qos:
     """Fill what *asked* leaves open with the defaults of rosbridge's publishers.
 

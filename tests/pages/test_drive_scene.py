@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The 3D scene on the drive page: it is chosen, turned and left while the page drives and stops."""
 
+import itertools
 from contextlib import asynccontextmanager
 
 import pytest
 
+from tests.client import client
+from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address, severable
 from tests.pages.test_debug_page import NOTE_SENT, PHONE, until_painted
 from tests.pages.test_drive_layout import PLACE, SCREENS, drive_on
@@ -19,6 +22,7 @@ pytestmark = pytest.mark.asyncio(loop_scope="package")
 TOUCH = {"viewport": PHONE, "has_touch": True, "is_mobile": True}
 CANVAS = "#scene canvas"
 TOP = ".scene-bar [aria-pressed] >> nth=0"
+SCAN = {"angle_increment": 0.1, "range_max": 9, "ranges": [1, 2, 3]}
 LAYERS = ".scene-bar [aria-expanded]"
 LOADED = """() => performance.getEntriesByType("resource")
     .some(({ name }) => name.endsWith("/vendor/three.js"))"""
@@ -220,6 +224,62 @@ async def test_a_button_that_a_pointer_presses_in_the_scene_keeps_no_keys(scene)
         await page.keyboard.press("Space")  # chosen by keys, it has them
         assert await scan.is_checked()
         assert await page.evaluate(STOPS) == before + 1
+
+
+async def test_a_number_of_the_scene_leaves_stop_its_key_and_then_all_keys(scene):
+    async with scene(NOTE_SENT) as page:
+        await page.click(LAYERS)
+        number = page.locator(".layers > li:has-text('/points') [type=number] >> nth=0")
+        await number.click()
+        await number.fill("70")
+        before = await page.evaluate(STOPS)
+        await page.keyboard.press("Space")
+        assert await page.evaluate(STOPS) == before + 1
+        assert await number.input_value() == "70"
+        has_keys = "(number) => document.activeElement === number"
+        await page.keyboard.press("ArrowUp")
+        assert await number.evaluate(has_keys)
+        await page.keyboard.press("Enter")
+        assert not await number.evaluate(has_keys)
+        await number.click()
+        await number.evaluate(
+            "(number) => number.dispatchEvent(new Event('change', { bubbles: true }))"
+        )
+        assert not await number.evaluate(has_keys)
+
+
+async def test_a_failure_of_the_scene_is_told_of_until_it_works_again(scene):
+    async with scene() as page:
+        await page.evaluate("""async () => {
+            const { SceneView } = await import("/scene/scene.js");
+            const { tick } = SceneView.prototype;
+            SceneView.prototype.tick = () => { throw new Error("no room"); };
+            window.mend = () => { SceneView.prototype.tick = tick; };
+        }""")
+        said = "#scene .problem:text('no room')"
+        await page.wait_for_selector(said)
+        await page.evaluate("mend()")
+        await page.wait_for_selector(said, state="hidden")
+
+
+async def test_old_transforms_make_the_scene_pale_and_not_the_scan(nowhere, open_page):
+    link = {"header": {"frame_id": "odom"}, "child_frame_id": "base_link"}
+    async with gateway_process("serve", *nowhere) as gateway, client(gateway.url) as robot:
+        await robot.send(op="advertise", topic="/tf", type="tf2_msgs/TFMessage")
+        await robot.send(op="advertise", topic="/scan", type="sensor_msgs/LaserScan")
+        async with open_page(f"{page_address(gateway)}drive") as page:
+            await page.click("#choose-scene")
+            is_old = "() => document.querySelector('#scene.stale') !== null"
+            for turn in itertools.count():
+                if await page.evaluate(is_old):
+                    break
+                if turn % 100 < 5:  # then none for some seconds
+                    await robot.send(op="publish", topic="/tf", msg={"transforms": [link]})
+                await robot.send(op="publish", topic="/scan", msg=SCAN)
+                await page.wait_for_timeout(50)
+            words = "() => document.querySelector('#world .age:not([hidden])')?.textContent ?? ''"
+            assert "place" not in await page.evaluate(words)
+            assert await page.locator("#world canvas").count()
 
 
 async def test_without_a_connection_the_scene_is_old_and_says_so(demo, open_page):

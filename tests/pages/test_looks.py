@@ -229,3 +229,9 @@ async def test_the_space_bar_is_for_stop_after_a_menu_was_used_by_the_mouse(demo
         await page.get_by_role("menuitemradio", name="Dark").click()
         await page.keyboard.press("Space")
         await until(page, "() => sent.some((each) => JSON.parse(each).op === 'stop')")
+        await page.click(".bar .more")
+        held = """() => {  // at once: a key may come before the next event
+            document.querySelector("[role=menuitemradio]").click();
+            return document.activeElement.matches(".more");
+        }"""
+        assert not await page.evaluate(held)

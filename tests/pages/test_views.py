@@ -163,6 +163,22 @@ def address(view: str) -> str:
     return f"#card={view}" if "+" in view else f"#card={view}+0+/seen"
 
 
+async def test_limits_of_joints_that_come_late_are_shown_without_another_message(served, open_page):
+    [(*_, message, words, _)] = [case for case in CASES if case[0] == "joints"]
+    async with (
+        client(served.url) as robot,
+        open_page(page_address(served) + address("joints")) as page,
+    ):
+        joints, robots = {"topic": "/seen"}, {"topic": "/robot_description"}
+        await robot.send(op="advertise", **joints, type="sensor_msgs/JointState", latch=True)
+        await robot.send(op="publish", **joints, msg=message)
+        await until(page, f"() => {TEXT}.includes('elbow')")
+        await robot.send(op="advertise", **robots, type="std_msgs/String", latch=True)
+        await robot.send(op="publish", **robots, msg={"data": URDF})
+        for each in words:
+            await until(page, f"words => {TEXT}.includes(words)", each)
+
+
 @pytest.mark.parametrize(("view", "type_name", "message", "words", "painted"), CASES)
 async def test_a_view_shows_its_message(
     served, open_page, view, type_name, message, words, painted

@@ -271,6 +271,27 @@ async def test_updates_that_wait_for_a_map_have_limited_room_and_none_is_lost(ev
     assert await evaluate(MANY_UPDATES) < 10_000
 
 
+async def test_a_map_says_nothing_of_updates_that_do_not_come(evaluate):
+    told = await evaluate("""async () => {
+        const { LiveMap } = await import("/views/live_map.js");
+        const told = [];
+        const card = { tell: (words) => told.push(words), untell() {} };
+        const map = new LiveMap(card, { check() {}, show() {} });
+        let status;
+        const gateway = {
+            graph: { typeOf: () => "map_msgs/msg/OccupancyGridUpdate" },
+            on: () => () => {},
+            subscribe: (topic, options, take, tell) => { status = tell; },
+        };
+        map.follow(gateway, "/map");
+        status({ code: "not_found", msg: "is not known yet" });
+        status({ code: "forbidden", msg: "no" });
+        map.close();
+        return told;
+    }""")
+    assert told == ["no"]
+
+
 @pytest.mark.parametrize(
     ("shown", "most", "problem"),
     [("map+0+/part", 1, ".problem"), ("scene+0+/+on,/part", 3, ".layers .problem:not([hidden])")],

@@ -15,6 +15,7 @@ from gateway.sources.qos import (
     Endpoint,
     adopt,
     complete_offer,
+    is_matched,
     is_same_request,
     unmatched_publishers,
     unmatched_subscribers,
@@ -195,6 +196,21 @@ def test_a_deadline_matches_offers_that_are_as_short() -> None:
     )
     [reason] = unmatched_publishers("/t", TYPE, qos, [Endpoint("/a", TYPE, deadline_ns=60_000_000)])
     assert "/a offers a deadline of 60 ms" in reason.text
+
+
+@pytest.mark.parametrize(
+    ("asked", "offered", "matches"),
+    [
+        (Qos("reliable", "volatile"), LATCHED, True),
+        (Qos("reliable", "volatile"), BEST_EFFORT, False),
+        (Qos("reliable", "transient_local"), RELIABLE, False),
+        (Qos("reliable", "volatile", lease_ns=1), RELIABLE, False),
+        (Qos("reliable", "volatile", lease_ns=1), replace(RELIABLE, lease_ns=2), False),
+        (Qos("reliable", "volatile", lease_ns=2), replace(RELIABLE, lease_ns=2), True),
+    ],
+)
+def test_a_subscription_gets_the_samples_of_what_it_matches_with_its_lease(asked, offered, matches):
+    assert is_matched(asked, offered) == matches
 
 
 def test_the_same_reason_is_told_once() -> None:

@@ -17,15 +17,15 @@ from typing import Any, Final
 
 from rclpy.action.graph import get_action_server_names_and_types_by_node
 from rclpy.node import Node
-from rclpy.qos import ReliabilityPolicy
 
 from gateway.sources.graph import Graph, ServerInfo, TopicInfo
 from gateway.sources.node_definitions import TypeHolder
-from gateway.sources.qos import UNKNOWN_NODE, Endpoint, is_latched
+from gateway.sources.qos import UNKNOWN_NODE, Endpoint, is_latched, is_matched
 from gateway.sources.rclpy.errors import REFUSALS
 from gateway.sources.rclpy.profile import endpoint_node, full_name, to_endpoint
 from gateway.sources.rclpy.rclpy_private.readiness import GraphWaitSet
 from gateway.sources.rclpy.rclpy_private.takes import GUID_BYTES
+from gateway.sources.source import Qos
 
 # A new node causes dozens of changes within a few milliseconds: look once they are over. Far below
 # the 100 ms in which a subscription is to follow its publishers.
@@ -130,13 +130,18 @@ def read_offers(node: Node, topic: str) -> list[Endpoint]:
     return [to_endpoint(publisher) for publisher in node.get_publishers_info_by_topic(topic)]
 
 
-def read_reliable(node: Node, topic: str) -> frozenset[bytes]:
-    """Return the ids, as samples have them, of the publishers that send again what was lost."""
+def read_repairing(node: Node, topic: str, qos: Qos) -> frozenset[bytes]:
+    """Return the ids of the publishers that send again what a reader of this profile has lost.
+
+    The ids are as samples have them.
+    """
+    if qos.reliability != "reliable":
+        return frozenset()
     infos = node.get_publishers_info_by_topic(topic)
     return frozenset(
         bytes(each.endpoint_gid[:GUID_BYTES])  # Humble's are longer
         for each in infos
-        if each.qos_profile.reliability == ReliabilityPolicy.RELIABLE
+        if is_matched(qos, to_endpoint(each))
     )
 
 

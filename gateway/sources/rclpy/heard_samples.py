@@ -34,8 +34,10 @@ class HeardSamples:
             is_latched: The new reader gets what publishers retain.
             repaired: The publishers from which the retired one gets every sample, late if need be.
         """
-        self._retained_after = frozenset(self._newest) if is_latched else None
-        self._repaired = repaired
+        known = frozenset(self._newest)
+        self._retained_after = known if is_latched else None
+        # of two readers only one waits for the other
+        self._repaired = repaired & known if is_latched else repaired
 
     def end(self) -> list[Sample]:
         """Note that the retired reader gets no more. Return all that waits."""
@@ -71,8 +73,7 @@ class HeardSamples:
         publisher = sample.publisher
         if publisher is None or publisher not in self._repaired or sample.number is None:
             return False
-        known = self._newest.get(publisher)
-        return known is None or sample.number > known + 1
+        return sample.number > self._newest.get(publisher, 0) + 1
 
     def _follows_retained(self, sample: Sample) -> bool:
         known = self._retained_after

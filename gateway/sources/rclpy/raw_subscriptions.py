@@ -19,7 +19,7 @@ from gateway.sources.qos import (
     unmatched_publishers,
 )
 from gateway.sources.rclpy.errors import creation, remapped
-from gateway.sources.rclpy.graph import read_offers, read_reliable
+from gateway.sources.rclpy.graph import read_offers, read_repairing
 from gateway.sources.rclpy.heard_samples import HeardSamples
 from gateway.sources.rclpy.message_classes import MessageClasses
 from gateway.sources.rclpy.profile import to_profile
@@ -99,9 +99,9 @@ class RawSubscriptions:
         """Return what the publishers of a topic offer now."""
         return read_offers(self._node, topic)
 
-    def reliable(self, topic: str) -> frozenset[bytes]:
-        """Return the ids of the publishers of a topic that send again what was lost."""
-        return read_reliable(self._node, topic)
+    def repairing(self, topic: str, qos: Qos) -> frozenset[bytes]:
+        """Return the ids of the publishers that send such a reader again what it has lost."""
+        return read_repairing(self._node, topic, qos)
 
     def read(
         self,
@@ -238,6 +238,7 @@ class RawSubscription:
         self._end_retirement()  # of one before
         if self._reader is None:  # a callback has closed this
             return
+        repaired = self._subscriptions.repairing(self.topic, self.qos)
         try:
             reader = self._read(qos)
         except RosError as error:
@@ -245,14 +246,10 @@ class RawSubscription:
             self._refusals.append(TopicEvent("qos_incompatible", str(error), kept))
             return
         self._unwatch()
-        repairs = self.qos.reliability == "reliable"
         self.qos = qos
         self._retired, self._reader = retired, reader
         self._watch = self._watched(reader)
-        self._heard.begin(
-            is_latched=self._is_latched(),
-            repaired=self._subscriptions.reliable(self.topic) if repairs else frozenset(),
-        )
+        self._heard.begin(is_latched=self._is_latched(), repaired=repaired)
         retired.deliver_to(partial(self._compare, retired), with_publishers=True)
         self._stop_timer()
         self._timer = self._subscriptions.after(RETIREMENT_S, self._end_retirement)

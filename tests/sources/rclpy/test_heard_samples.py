@@ -38,6 +38,20 @@ def test_samples_after_a_gap_wait_for_a_retired_reader_that_is_behind():
     assert numbers(heard.new(samples(b"a", 11))) == [11]  # nobody gets 10 any more
 
 
+def test_of_a_publisher_that_retains_its_first_samples_nothing_waits_for_the_retired_reader():
+    heard = HeardSamples()
+    heard.begin(is_latched=True, repaired=frozenset({b"a"}))
+    assert numbers(heard.retired(samples(b"a", 2, 3))) == []
+    assert numbers(heard.new(samples(b"a", 1))) == [1]
+    assert numbers(heard.new(samples(b"a", 3))) == [2, 3]
+
+
+def test_the_first_sample_of_all_leaves_no_gap():
+    heard = HeardSamples()
+    heard.begin(is_latched=False, repaired=frozenset({b"a"}))
+    assert numbers(heard.new(samples(b"a", 1, 2))) == [1, 2]
+
+
 def test_without_numbers_times_are_compared_and_without_ids_all_passes():
     heard = HeardSamples()
     unnumbered = [Sample(b"", 0, time_ns, None, b"a") for time_ns in (5, 5, 6)]

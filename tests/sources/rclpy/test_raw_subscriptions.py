@@ -16,6 +16,7 @@ from gateway.sources.rclpy.port import RclpyRos
 from gateway.sources.rclpy.raw_subscriptions import RawSubscription
 from gateway.sources.source import MAX_TAKES_PER_TURN, Qos, Sample, TopicEvent
 from tests.client import TIMEOUT_S, eventually
+from tests.sources.conftest import needs_qos
 from tests.sources.outside import Outside
 
 INT32 = "std_msgs/msg/Int32"
@@ -44,7 +45,7 @@ class Fed:
         self._publisher = outside.add_publisher("/scan", INT32, Qos(depth=WAITING))
 
     def _on_samples(self, samples: Sequence[Sample]) -> None:
-        self.received += [int.from_bytes(sample.cdr[4:8], "little") for sample in samples]
+        self.received += map(number, samples)
         self.then()
 
     async def fill(self) -> None:
@@ -65,7 +66,15 @@ class Fed:
             time.sleep(0.001)  # noqa: ASYNC251  # the loop is to be kept busy
 
     def _publish(self, value: int) -> None:
-        self._publisher.publish(b"\0\1\0\0" + value.to_bytes(4, "little"))
+        self._publisher.publish(cdr(value))
+
+
+def cdr(value: int) -> bytes:
+    return b"\0\1\0\0" + value.to_bytes(4, "little")
+
+
+def number(sample: Sample) -> int:
+    return int.from_bytes(sample.cdr[4:8], "little")
 
 
 def waiting(reader: Any) -> int:
@@ -88,7 +97,7 @@ async def test_each_message_comes_once_and_in_order_while_the_profile_is_replace
     received: list[int] = []
 
     def take(samples: Sequence[Sample]) -> None:
-        received.extend(int.from_bytes(sample.cdr[4:8], "little") for sample in samples)
+        received.extend(map(number, samples))
 
     subscription: Any = ros.subscribe("/scan", INT32, Qos(depth=1000), take, lambda _: None)
     publisher = await asyncio.create_subprocess_exec(
@@ -103,6 +112,33 @@ async def test_each_message_comes_once_and_in_order_while_the_profile_is_replace
         publisher.kill()
         await publisher.wait()
     assert received == list(range(received[0], received[0] + len(received)))
+
+
+@needs_qos
+async def test_samples_that_a_retired_reader_never_gets_do_not_wait_for_it(
+    ros, outside, monkeypatch
+):
+    monkeypatch.setattr(raw_subscriptions, "RETIREMENT_S", 1e6)
+    received: list[int] = []
+
+    def take(samples: Sequence[Sample]) -> None:
+        received.extend(map(number, samples))
+
+    subscription: Any = ros.subscribe("/scan", INT32, Qos(), take, lambda _: None)
+    latched = outside.add_publisher("/scan", INT32, Qos(durability="transient_local", depth=9))
+    for value in range(3):  # before they have discovered each other
+        latched.publish(cdr(value))
+    await eventually(lambda: received == [0, 1, 2])
+    assert subscription.qos.durability == "transient_local"
+    volatile = outside.add_publisher("/scan", INT32)
+
+    def flows() -> bool:
+        volatile.publish(cdr(9))
+        return 9 in received
+
+    await eventually(flows)
+    assert subscription.qos.durability == "volatile"
+    assert subscription._retired is not None
 
 
 async def test_closing_while_the_profile_is_replaced_ends_the_samples(ros, outside):

@@ -80,9 +80,9 @@ function tick() {
   const of = (topic) => gateway.arrivals.get(topic);
   camera.write({ camera: camera.arrivals }, isConnected);
   readout.write();
-  const sources = { odometry: of(heard.odometry), scan: of(heard.scan), map: of(heard.map), place: world.view?.place ?? of("/tf") };
+  const sources = { odometry: of(heard.odometry), scan: of(heard.scan), map: of(heard.map), place: world.view?.place };
   world.write(sources, isConnected);
-  scenery.write(sources, isConnected);
+  scenery.write({ ...sources, place: of("/tf") }, isConnected);
   const words = (command.isDriving && motion.words) || command.words;
   if (find("control").textContent !== words) find("control").textContent = words; // it is read out
 }

@@ -24,6 +24,7 @@ export class Scenery {
   #isShown;
   #problem = element("p", { className: "problem", role: "status", hidden: true });
   #isByPointer = false; // the last action
+  #failed = ""; // the action that fails
 
   /**
    * @param {import("../shared/gateway.js").Gateway} gateway
@@ -50,13 +51,13 @@ export class Scenery {
   }
 
   draw() {
-    this.#attempt(() => this.#scene?.draw());
+    this.#attempt("drawing", () => this.#scene?.draw());
   }
 
   /** Write what changes with time, and how old it is. */
   write(sources, isConnected) {
     this.#aging.write(sources, isConnected);
-    this.#attempt(() => this.#scene?.tick());
+    this.#attempt("writing", () => this.#scene?.tick());
   }
 
   #keep() {
@@ -93,11 +94,15 @@ export class Scenery {
     this.#scene = null;
   }
 
-  /** Say what cannot be shown, and go on: the page has to drive, and to stop. */
-  #attempt(action) {
+  /** Say what cannot be shown, until it can be, and go on: the page has to drive, and to stop. */
+  #attempt(what, action) {
     try {
       action();
+      if (this.#failed !== what) return;
+      this.#failed = "";
+      this.#say("");
     } catch (error) {
+      this.#failed = what;
       this.#say(say("drive.failed", { why: error.message }));
     }
   }
@@ -117,11 +122,14 @@ export class Scenery {
       if (this.#isByPointer && home.contains(held) && !held.matches(TAKES_KEYS)) /** @type {HTMLElement} */ (held).blur();
     };
     home.addEventListener("pointerdown", () => (this.#isByPointer = true));
-    home.addEventListener("keydown", () => (this.#isByPointer = false));
+    home.addEventListener("keydown", ({ target, key }) => {
+      this.#isByPointer = false;
+      if (["Enter", "Escape"].includes(key) && isNumber(target)) target.blur();
+    });
     home.addEventListener("click", leave);
     home.addEventListener("change", ({ target }) => {
       leave();
-      if (target instanceof HTMLSelectElement) target.blur(); // as the list of cameras
+      if (target instanceof HTMLSelectElement || (this.#isByPointer && isNumber(target))) target.blur(); // as the list of cameras
     });
     addEventListener("keydown", (event) => this.#key(event));
   }
@@ -134,3 +142,6 @@ export class Scenery {
     else this.#scene.turn(TURNS[code]);
   }
 }
+
+/** @returns {target is HTMLInputElement} */
+const isNumber = (target) => target instanceof HTMLInputElement && target.type === "number";

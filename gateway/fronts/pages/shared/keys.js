@@ -56,11 +56,12 @@ export function useCharacters(isOn) {
   else localStorage.setItem(KEY, "off");
 }
 
-/** Return whether the page ignores a key. It is for what has the focus: each for a text, a list, a menu or a dialog, the arrows for a slider. */
+/** Return whether the page ignores a key. It is for what has the focus: each for a text, a list, a menu or a dialog, the arrows for a slider. A number needs no space bar. */
 export function isTaken({ target, code, key = "" }) {
   if (key.length === 1 && code !== "Space" && !areCharactersOn()) return true; // the space bar is STOP
   if (!(target instanceof Element)) return false;
   if (target instanceof HTMLInputElement && target.type === "range") return code.startsWith("Arrow");
+  if (target instanceof HTMLInputElement && target.type === "number" && code === "Space") return false;
   return target.matches("input:not([type=button]), select, textarea, dialog *, [role=menu], [role=menu] *");
 }
 

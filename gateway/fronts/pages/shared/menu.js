@@ -21,10 +21,15 @@ export function menu(label, entries, face = MORE) {
   const button = element("button", { type: "button", className: face === MORE ? "ghost more" : "ghost", title: label, aria: { label, haspopup: "menu", expanded: "false" } }, face);
   let isByPointer = false;
   button.popoverTargetElement = list;
+  const leave = () => isByPointer && document.activeElement === button && button.blur(); // or the space bar would press it, and not STOP
+  const close = () => {
+    list.hidePopover(); // the button gets the focus now, and the event comes later
+    leave();
+  };
   button.addEventListener("click", ({ detail }) => { isByPointer = detail > 0; });
   list.addEventListener("beforetoggle", ({ newState }) => {
     button.setAttribute("aria-expanded", String(newState === "open"));
-    if (newState === "open") list.replaceChildren(...entries().map((each) => entry(each, list)));
+    if (newState === "open") list.replaceChildren(...entries().map((each) => entry(each, close)));
   });
   list.addEventListener("toggle", ({ newState }) => {
     if (newState === "open") {
@@ -32,7 +37,7 @@ export function menu(label, entries, face = MORE) {
       items(list)[0]?.focus();
     } else {
       list.replaceChildren();
-      if (isByPointer && document.activeElement === button) button.blur(); // or the space bar would press it, and not STOP
+      leave();
     }
   });
   list.addEventListener("keydown", (event) => move(event, list));
@@ -40,12 +45,12 @@ export function menu(label, entries, face = MORE) {
 }
 
 /** @param {Entry} about */
-function entry({ label, act, isOn, isSwitch = false, key = "", isOff = false }, list) {
+function entry({ label, act, isOn, isSwitch = false, key = "", isOff = false }, close) {
   if (!act) return element("p", { className: "quiet", role: "presentation" }, label);
   const made = element("button", { type: "button", className: "ghost", role: isOn === undefined ? "menuitem" : isSwitch ? "menuitemcheckbox" : "menuitemradio", tabIndex: -1, disabled: isOff }, element("span", {}, label), element("kbd", {}, key));
   if (isOn !== undefined) made.setAttribute("aria-checked", String(isOn));
   made.onclick = () => {
-    list.hidePopover();
+    close();
     act();
   };
   return made;

@@ -18,15 +18,18 @@ export class JointsView {
   /** @type {Map<string, import("./joint_limits.js").Limit>} */
   #limits = new Map();
   #rows = new Map(); // name -> Joint
+  #newest = null; // message
   #leftOut = element("p", { className: "quiet", hidden: true }, say("joints.many", { most: MOST_JOINTS }));
   #end;
 
   constructor(card) {
     const topic = card.topic.replace(/[^/]*$/, DESCRIPTION); // of the same robot
-    this.#end = card.gateway.subscribe(topic, { type: "std_msgs/msg/String" }, ({ data }) => (this.#limits = limitsOf(data)), () => {}); // without one, bars have no limits
+    this.#end = card.gateway.subscribe(topic, { type: "std_msgs/msg/String" }, ({ data }) => this.#limit(limitsOf(data)), () => {}); // without one, bars have no limits
   }
 
-  show({ name: names, position, velocity, effort }) {
+  show(message) {
+    this.#newest = message;
+    const { name: names, position, velocity, effort } = message;
     for (const [index, name] of names.entries()) {
       const row = this.#rows.get(name) ?? this.#add(name);
       row?.show(position[index], velocity[index], effort[index], this.#limits.get(name));
@@ -35,6 +38,11 @@ export class JointsView {
 
   close() {
     this.#end();
+  }
+
+  #limit(limits) {
+    this.#limits = limits;
+    if (this.#newest) this.show(this.#newest);
   }
 
   #add(name) {

@@ -72,7 +72,8 @@ export class LiveMap {
     this.#end();
     const name = `${topic}_updates`;
     let end = null;
-    const tell = lasting((words) => this.#card.tell((this.#wrong = words)));
+    const wrong = lasting((words) => this.#card.tell((this.#wrong = words)));
+    const tell = (status) => status.code === "not_found" || wrong(status); // a map needs no updates
     const look = () => {
       if (!end && gateway.graph.typeOf(name) === UPDATE) end = gateway.subscribe(name, { compression: "cbor" }, (each) => this.update(each), tell);
     };
