@@ -172,6 +172,7 @@ async def test_limits_of_joints_that_come_late_are_shown_without_another_message
         joints, robots = {"topic": "/seen"}, {"topic": "/robot_description"}
         await robot.send(op="advertise", **joints, type="sensor_msgs/JointState", latch=True)
         await robot.send(op="publish", **joints, msg=message)
+        await page.wait_for_selector(card("/seen"))
         await until(page, f"() => {TEXT}.includes('elbow')")
         await robot.send(op="advertise", **robots, type="std_msgs/String", latch=True)
         await robot.send(op="publish", **robots, msg={"data": URDF})
