@@ -108,8 +108,8 @@ def run(serve: Callable[[], int], robot: Sequence[str]) -> int:
         serving.set()
         return serve()
     finally:  # also if the end of the robot interrupted serve
-        exit_code = child.poll()
         stopping.set()
+        exit_code = child.poll()
         if child.stdin:
             child.stdin.close()
         watcher.join(STOP_TIMEOUT_S)

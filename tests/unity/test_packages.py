@@ -22,7 +22,7 @@ OLD_MANIFEST = {
     }
 }
 # Hand-written lines of C# in what a build or the editor has. They only go down.
-MOST_LINES = {"client": 6717, "displays": 5655, "robots": 1487}
+MOST_LINES = {"client": 6714, "displays": 5655, "robots": 1483}
 OLD_ASSEMBLY = {"name": "Users", "references": ["Ros2Gateway.Core", "Ros2Gateway.Unity"]}
 
 

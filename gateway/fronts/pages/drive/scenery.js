@@ -10,7 +10,8 @@ const KEY = "ros2-gateway.drive-scene"; // of the storage of the browser: whethe
 const SHOWN = "shown";
 const FIRST = "follow";
 const TURNS = { KeyQ: 1, KeyE: -1 }; // next to the keys that drive
-const TAKES_KEYS = "select, input[type=number]";
+const NUMBER = "input[type=number]";
+const TAKES_KEYS = `select, ${NUMBER}`;
 
 /** The scene, while it is chosen. */
 export class Scenery {
@@ -24,7 +25,7 @@ export class Scenery {
   #isShown;
   #problem = element("p", { className: "problem", role: "status", hidden: true });
   #isByPointer = false; // the last action
-  #failed = ""; // the action that fails
+  #failed = ""; // the part that fails
 
   /**
    * @param {import("../shared/gateway.js").Gateway} gateway
@@ -124,12 +125,13 @@ export class Scenery {
     home.addEventListener("pointerdown", () => (this.#isByPointer = true));
     home.addEventListener("keydown", ({ target, key }) => {
       this.#isByPointer = false;
-      if (["Enter", "Escape"].includes(key) && isNumber(target)) target.blur();
+      const field = /** @type {HTMLElement} */ (target);
+      if (["Enter", "Escape"].includes(key) && field.matches(NUMBER)) field.blur();
     });
     home.addEventListener("click", leave);
     home.addEventListener("change", ({ target }) => {
-      leave();
-      if (target instanceof HTMLSelectElement || (this.#isByPointer && isNumber(target))) target.blur(); // as the list of cameras
+      const field = /** @type {HTMLElement} */ (target);
+      if (this.#isByPointer || field.matches("select")) field.blur(); // as the list of cameras
     });
     addEventListener("keydown", (event) => this.#key(event));
   }
@@ -142,6 +144,3 @@ export class Scenery {
     else this.#scene.turn(TURNS[code]);
   }
 }
-
-/** @returns {target is HTMLInputElement} */
-const isNumber = (target) => target instanceof HTMLInputElement && target.type === "number";

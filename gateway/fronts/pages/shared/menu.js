@@ -29,7 +29,9 @@ export function menu(label, entries, face = MORE) {
   button.addEventListener("click", ({ detail }) => { isByPointer = detail > 0; });
   list.addEventListener("beforetoggle", ({ newState }) => {
     button.setAttribute("aria-expanded", String(newState === "open"));
-    if (newState === "open") list.replaceChildren(...entries().map((each) => entry(each, close)));
+    if (newState !== "open") return;
+    list.style.top = `${least()}px`; // at first: it is seen before it has its place
+    list.replaceChildren(...entries().map((each) => entry(each, close)));
   });
   list.addEventListener("toggle", ({ newState }) => {
     if (newState === "open") {
@@ -58,14 +60,16 @@ function entry({ label, act, isOn, isSwitch = false, key = "", isOff = false }, 
 
 const items = (list) => [...list.querySelectorAll("button:enabled")];
 
-/** Put an open menu below its button, or above it, where there is room. It stays below the bar: STOP is there. */
+/** Return the least top of a menu, in pixels. It stays below the bar: STOP is there. */
+const least = () => (document.querySelector(".bar")?.getBoundingClientRect().bottom ?? 0) + EDGE;
+
+/** Put an open menu below its button, or above it, where there is room. */
 function place(list, button) {
-  const least = (document.querySelector(".bar")?.getBoundingClientRect().bottom ?? 0) + EDGE;
   const { bottom, right, top } = button.getBoundingClientRect();
   const { offsetWidth: width, offsetHeight: height } = list;
   const isBelow = bottom + height + EDGE <= innerHeight || bottom < innerHeight / 2;
   list.style.left = `${Math.max(EDGE, Math.min(right, innerWidth - EDGE) - width)}px`;
-  list.style.top = `${Math.max(least, isBelow ? Math.min(bottom, innerHeight - height - EDGE) : top - height)}px`;
+  list.style.top = `${Math.max(least(), isBelow ? Math.min(bottom, innerHeight - height - EDGE) : top - height)}px`;
 }
 
 function move(event, list) {

@@ -38,7 +38,7 @@ export function stopButton(gateway) {
  * @param {{where?: Window|HTMLElement, isMoving?: () => boolean}} [options] while something moves, buttons and lists do not keep it
  */
 export function stopBySpace({ where = window, isMoving = () => false } = {}) {
-  const isKept = (event) => (isMoving() ? isIn(event.target, "input:not([type=number], [type=range]), textarea") : isIn(event.target, "button") || isTaken(event));
+  const isKept = (event) => (isMoving() ? isIn(event.target, "input, textarea") && isTaken(event) : isIn(event.target, "button") || isTaken(event));
   where.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
     if (event.code !== "Space" || isKept(event)) return;
     event.preventDefault();

@@ -30,8 +30,7 @@ namespace Ros2Gateway.Thesis
 
         private static readonly object Gate = new();
         private static readonly Dictionary<string, Publisher> Publishers = new();
-        private static readonly Dictionary<string, Subscription<IMessage>> Subscribers =
-            new();
+        private static readonly Dictionary<string, Subscription<IMessage>> Subscribers = new();
         private static readonly Queue<string> DebugMessages = new();
         private static GatewayClient _client;
         private static string _prefix = "";

@@ -26,8 +26,7 @@ namespace Ros2Gateway
             this GatewayClient client, string uri, CancellationToken cancellation = default(CancellationToken),
             int timeoutMilliseconds = 0) =>
             client.Awaited<byte[]>(
-                AssetFetch.What(uri),
-                done => new AssetFetch(client, uri, done, timeoutMilliseconds).Start().Cancel,
+                AssetFetch.What(uri), done => new AssetFetch(client, uri, done, timeoutMilliseconds).Start().Cancel,
                 cancellation);
     }
 }

@@ -16,8 +16,7 @@ namespace Ros2Gateway.Robots
             = new(); // by instances of geometries
 
         /// <param name="referred">The target of an element's attribute.</param>
-        internal ColladaMaterials(
-            Dictionary<string, XmlElement> byId, Func<XmlElement, string, XmlElement> referred)
+        internal ColladaMaterials(Dictionary<string, XmlElement> byId, Func<XmlElement, string, XmlElement> referred)
         {
             _byId = byId;
             _referred = referred;

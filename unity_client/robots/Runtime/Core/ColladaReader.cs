@@ -64,8 +64,7 @@ namespace Ros2Gateway.Robots
             }
             if (root.Name != "COLLADA")
             {
-                throw new MeshException(
-                    "the COLLADA file begins with <" + root.Name + ">, must begin with <COLLADA>");
+                throw new MeshException("the COLLADA file begins with <" + root.Name + ">, must begin with <COLLADA>");
             }
             return new ColladaReader().ReadRoot(root);
         }

@@ -247,8 +247,7 @@ namespace Ros2Gateway.Unity
         {
             string reason = !_fetchMeshes ? ""
                 : !IsServed(visual) ? " among Models, and the gateway serves only .stl and .dae by package:// or file://"
-                : Client() == null ? " among Models, and no Gateway Connection to fetch it"
-                : null;
+                : Client() == null ? " among Models, and no Gateway Connection to fetch it" : null;
             if (reason != null)
             {
                 Warn("no model for " + visual.Mesh + reason + ": a small box takes its place");

@@ -27,7 +27,6 @@ namespace Ros2Gateway
         private long _names;
         private int _isStatePosted;
         private int _isDisposed;
-        private int _connections;
 
         /// <summary>A client that is not connected yet. Topics can be opened before: they open with the connection.</summary>
         public GatewayClient(GatewayOptions options)
@@ -134,7 +133,7 @@ namespace Ros2Gateway
         internal int CallMilliseconds => _options.CallMilliseconds;
 
         /// <summary>How many connections there have been.</summary>
-        internal int Connections => Volatile.Read(ref _connections);
+        internal int Connections { get; private set; }
 
         /// <summary>Begins to connect, and keeps connecting until <see cref="Disconnect"/>.</summary>
         public void Connect()
@@ -393,7 +392,7 @@ namespace Ros2Gateway
 
         void ILinkOwner.OnUp(ITransport transport)
         {
-            Interlocked.Increment(ref _connections);
+            Connections++;
             Outbox.Attach(transport);
             if (!string.IsNullOrEmpty(_options.Token))
             {

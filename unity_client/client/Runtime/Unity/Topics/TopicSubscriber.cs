@@ -228,8 +228,7 @@ namespace Ros2Gateway.Unity
             GatewayClient client = connection.Client;
             string name = FaultLog.Name(this); // on the thread that reads frames Unity tells none
             _arrivalFault = (where, error, times) => client.ReportFault(where + " of " + name, error, times);
-            _subscription = client.Subscribe(
-                _topic, type, create, Receive, options, _messageArriving.Call, _reuse);
+            _subscription = client.Subscribe(_topic, type, create, Receive, options, _messageArriving.Call, _reuse);
         }
 
         private void Update()
